@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT-0
+ *
+ * What the runtime needs to know of one compiled model.
+ *
+ * The compiler writes "model_sizes.h" (the MODEL_* sizes) and "model.c" (everything declared here); the runtime is the
+ * same for every model. All quantities are SI and all are stored as double, whatever their Modelica type: Boolean as
+ * 0/1, Integer and enumeration as their value.
+ *
+ * The continuous unknowns are v = [x; z]: MODEL_NX states, then MODEL_NZ implicit (torn) unknowns, which satisfy
+ *
+ *     dx/dt = f_x(t, v, u, p, d, c),     0 = f_z(t, v, u, p, d, c),     det(df_z/dz) != 0 (index 1).
+ *
+ * d are the discrete variables and c the truth values of the relations; both change at events only.
+ */
+#ifndef COSIM_MODEL_H
+#define COSIM_MODEL_H
+
+#include "model_sizes.h" /* MODEL_NX NZ NU NP ND NG NS NY NL NA NVARIABLES, MODEL_TOKEN, MODEL_NAME */
+
+#define MODEL_NV (MODEL_NX + MODEL_NZ)
+/* C has no arrays of length zero. */
+#define MODEL_ROOM(n) ((n) > 0 ? (n) : 1)
+
+/* Where the value of a variable lives. */
+typedef enum {
+    STORE_TIME,       /* the independent variable */
+    STORE_UNKNOWN,    /* v[index] */
+    STORE_DERIVATIVE, /* dx/dt [index] */
+    STORE_INPUT,      /* u[index] */
+    STORE_PARAMETER,  /* p[index] */
+    STORE_DISCRETE,   /* d[index] */
+    STORE_OUTPUT,     /* model_outputs, y[index] */
+    STORE_LOCAL       /* model_locals, l[index] */
+} ModelStore;
+
+typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_ENUMERATION } ModelType;
+
+/* When an importer may set a variable. */
+typedef enum {
+    SET_NEVER,
+    SET_BEFORE_INITIALIZATION_ENDS, /* fixed parameters, start values */
+    SET_ALWAYS                      /* inputs and tunable parameters */
+} ModelSettable;
+
+typedef struct {
+    unsigned char store;    /* ModelStore */
+    unsigned char type;     /* ModelType */
+    unsigned char settable; /* ModelSettable */
+    unsigned index;         /* within its store */
+} ModelVariable;
+
+/* One entry per value reference: the value reference is the position. */
+extern const ModelVariable model_variables[MODEL_ROOM(MODEL_NVARIABLES)];
+
+/* Start values of what an importer may set. */
+extern const double model_start_inputs[MODEL_ROOM(MODEL_NU)];
+extern const double model_start_parameters[MODEL_ROOM(MODEL_NP)]; /* dependent ones: overwritten by model_parameters */
+
+/* Sizes of the unknowns that count as "one" for absolute tolerances, and their names for messages. */
+extern const double model_nominal[MODEL_ROOM(MODEL_NV)];
+extern const char *const model_unknown_names[MODEL_ROOM(MODEL_NV)];
+
+/* Relation k is true where g[k] > 0 (strict) or g[k] >= 0 (not strict); the text is the Modelica source of it. */
+extern const unsigned char model_relation_strict[MODEL_ROOM(MODEL_NG)];
+extern const char *const model_relation_texts[MODEL_ROOM(MODEL_NG)];
+
+/* Assertions: message, and whether a violation ends the simulation (else it is a warning). */
+extern const char *const model_assertion_messages[MODEL_ROOM(MODEL_NA)];
+extern const unsigned char model_assertion_is_error[MODEL_ROOM(MODEL_NA)];
+
+/* Equations of the initial system, in Modelica text, for messages. */
+extern const char *const model_initial_texts[MODEL_ROOM(MODEL_NV)];
+
+/* Compute the dependent parameters from the independent ones, in place. */
+void model_parameters(double *p);
+
+/* Start values: fixed ones and guesses alike, for v and d. */
+void model_start(const double *p, double *v, double *d);
+
+/* Sample clocks: tick k of clock s is at start[s] + k * interval[s], k = 0, 1, ... */
+void model_clocks(const double *p, double *start, double *interval);
+
+#define MODEL_CONTINUOUS_ARGUMENTS \
+    double t, const double *v, const double *u, const double *p, const double *d, const double *c
+
+/* f[0..NX) = dx/dt, f[NX..NV) = residual of the algebraic equations. */
+void model_rhs(MODEL_CONTINUOUS_ARGUMENTS, double *f);
+
+/* J[column * NV + row] = df[row]/dv[column]. Every entry is written. */
+void model_jacobian(MODEL_CONTINUOUS_ARGUMENTS, double *J);
+
+/* Explicit derivative df/dt at constant v, u, p, d, c. */
+void model_time_derivative(MODEL_CONTINUOUS_ARGUMENTS, double *ft);
+
+/* Indicators of the relations; these do not depend on c's own entries for the same relation. */
+void model_indicators(MODEL_CONTINUOUS_ARGUMENTS, double *g);
+
+/* Initial system r(v) = 0 of MODEL_NV equations, solved for v at the start time, and its Jacobian (column-major). */
+void model_initial_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r);
+void model_initial_jacobian(MODEL_CONTINUOUS_ARGUMENTS, double *J);
+
+/* Outputs (y) and all other published variables that have no store of their own (l). */
+void model_outputs(MODEL_CONTINUOUS_ARGUMENTS, double *y);
+void model_locals(MODEL_CONTINUOUS_ARGUMENTS, double *l);
+
+/* Index of the first violated assertion, or -1. */
+int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS);
+
+/* One pass over the discrete equations at an event.
+ *
+ * pre   values of d before this pass (Modelica's pre())
+ * fired 1 for each sample clock that ticks in this pass
+ * d_new the new values of all discrete variables
+ * x_new the states: reinit() applied, all others copied from v
+ * Returns 1 if terminate() was called, else 0. */
+int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial, double *d_new,
+                   double *x_new);
+
+#endif
