@@ -1,0 +1,26 @@
+within WiperDrive.Electrical;
+model HBridge "Averaged H-bridge in one-quadrant mode with ideal freewheel diode"
+  input Types.Ratio duty "Duty ratio, 0..1";
+  input Types.Voltage v_supply "Supply voltage";
+  Interfaces.Pin p "Output to the load";
+  Interfaces.Pin n "Return from the load";
+  Types.Voltage v "Voltage across the load";
+  Types.Current i(start=0, fixed=true, stateSelect=StateSelect.always) "Current through the load, never negative";
+  Types.Power P_supply "Power taken from the supply";
+  Boolean blocking(start=true, fixed=true) "True while the diode blocks and no current flows";
+equation
+  v = p.v - n.v;
+  i = -p.i;
+  // conservation of charge
+  0 = p.i + n.i;
+  // While current flows, the average output is the switched share of the supply: the polarity is fixed and the
+  // freewheel diode carries the current in the off time. While the diode blocks, the current stays zero and the
+  // load sets the voltage. Both branches bind the current's derivative, so the structure is the same in both modes.
+  0 = if blocking then der(i) else v - duty*v_supply;
+  blocking = if pre(blocking) then v >= duty*v_supply else i < 0;
+  // The event is found a little after the current has crossed zero.
+  when blocking then
+    reinit(i, 0);
+  end when;
+  P_supply = v*i;
+end HBridge;

@@ -1,0 +1,3 @@
+within WiperDrive;
+package Electrical "Electrical components, the bridge and the motor"
+end Electrical;

@@ -1,0 +1,3 @@
+within WiperDrive;
+package Interfaces "Connectors and partial models"
+end Interfaces;

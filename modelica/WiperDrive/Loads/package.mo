@@ -1,0 +1,3 @@
+within WiperDrive;
+package Loads "Loads of the output shaft and of the rockers"
+end Loads;

@@ -1,0 +1,3 @@
+within WiperDrive;
+package Rotational "Rotation about fixed axes"
+end Rotational;

@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Acceleration = Real(unit="m/s2") "Acceleration";

@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Angle = Real(unit="rad") "Angle";

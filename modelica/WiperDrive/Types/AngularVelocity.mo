@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type AngularVelocity = Real(unit="rad/s") "Angular velocity";

@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Current = Real(unit="A") "Electric current";

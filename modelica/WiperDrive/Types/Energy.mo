@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Energy = Real(unit="J") "Energy";

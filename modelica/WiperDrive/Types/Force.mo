@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Force = Real(unit="N") "Force";

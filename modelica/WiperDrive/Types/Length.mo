@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Length = Real(unit="m") "Length";

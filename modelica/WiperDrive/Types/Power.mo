@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Power = Real(unit="W") "Power";

@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Ratio = Real(unit="1") "Dimensionless number";

@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Resistance = Real(unit="Ohm", min=0) "Resistance";

@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Time = Real(unit="s") "Time";

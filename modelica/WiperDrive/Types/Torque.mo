@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Torque = Real(unit="N.m") "Torque";

@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Velocity = Real(unit="m/s") "Velocity";

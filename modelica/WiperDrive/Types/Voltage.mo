@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Voltage = Real(unit="V") "Voltage";
