@@ -1,0 +1,3 @@
+within WiperDrive;
+package Controllers "Sampled controllers"
+end Controllers;
