@@ -1,0 +1,16 @@
+within WiperDrive.Systems;
+model RigClosedLoop "Rig plant and voltage profile in one model: the reference for their co-simulation"
+  input Types.Voltage v_supply(start=28) "Supply voltage";
+  input Types.Torque tau_disturbance(start=0)
+    "Torque of the surroundings on the gear's output shaft, positive in the direction of rotation";
+  input Boolean enable(start=true) "True while the wiper is to run";
+  RigPlant plant "Plant";
+  Controllers.VoltageProfile controller "Controller";
+equation
+  plant.v_supply = v_supply;
+  plant.tau_disturbance = tau_disturbance;
+  plant.duty = controller.duty;
+  controller.i_motor = plant.i_motor;
+  controller.park = plant.park;
+  controller.enable = enable;
+end RigClosedLoop;

@@ -1,0 +1,31 @@
+within WiperDrive.Tests;
+model SingleFourBar "One side on a crank that turns steadily: the rocker against the circle intersection of B.2.2"
+  parameter Types.AngularVelocity w_crank = 3 "Speed of the crank [A] any";
+  parameter Types.Ratio branch = 1 "+1: first circle intersection, -1: the second [S] B.1.4, lines 18 and 19";
+  parameter Types.Length a = 0.055 "Crank length [S] B.1.2, line 14";
+  parameter Types.Length x_B = 0.4442 "x position of B [S] FACTS table, rounded";
+  Planar.Fixed ground "Crank axle";
+  Rotational.ConstantSpeed drive(w=w_crank) "Turns the crank";
+  Planar.Revolute joint_A "Driven joint";
+  Planar.Bar crank(L=a) "Crank";
+  Planar.FourBar side(x_B=x_B, x_D=a, branch=branch) "Coupler and rocker";
+  Types.Length r "Distance from D to B";
+  Types.Length s "Distance along D to B to the foot of C";
+  Types.Length h "Distance of C from the line D to B";
+  Types.Length x_C "x position of C in closed form";
+  Types.Length y_C "y position of C in closed form";
+  Types.Length x_error "Simulated minus closed form";
+  Types.Length y_error "Simulated minus closed form";
+equation
+  connect(ground.frame, joint_A.frame_a);
+  connect(drive.flange, joint_A.flange);
+  connect(joint_A.frame_b, crank.frame_a);
+  connect(crank.frame_b, side.pin);
+  r = sqrt((side.x_B - crank.frame_b.x)^2 + (side.y_B - crank.frame_b.y)^2);
+  s = (side.f^2 - side.b^2 + r^2)/(2*r);
+  h = branch*sqrt(side.f^2 - s^2);
+  x_C = crank.frame_b.x + (s*(side.x_B - crank.frame_b.x) + h*(side.y_B - crank.frame_b.y))/r;
+  y_C = crank.frame_b.y + (s*(side.y_B - crank.frame_b.y) - h*(side.x_B - crank.frame_b.x))/r;
+  x_error = side.rocker.frame_b.x - x_C;
+  y_error = side.rocker.frame_b.y - y_C;
+end SingleFourBar;
