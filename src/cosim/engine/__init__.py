@@ -1,0 +1,24 @@
+"""Co-simulation of FMUs: sampled components act at their own instants, without delay; the others run in between."""
+
+from cosim.engine._fmu import Fmu
+from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
+from cosim.engine._role import Role, role_of
+from cosim.engine._simulate import simulate
+from cosim.engine._system import Channel, Component, Connection, System
+from cosim.engine._variable import Value, Variable
+
+__all__ = [
+    "Channel",
+    "Component",
+    "Connection",
+    "Fmu",
+    "PartialResultError",
+    "Result",
+    "Role",
+    "SimulationInterrupted",
+    "System",
+    "Value",
+    "Variable",
+    "role_of",
+    "simulate",
+]

@@ -1,0 +1,65 @@
+"""Channels as the loop needs them: a list of changes at instants, and interpolation."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from bisect import bisect_right
+from collections.abc import Sequence
+
+from cosim.engine._system import SAME_INSTANT, Channel
+
+
+def first_value(channel: Channel, start: float) -> float:
+    """Return the value at initialisation: the first entry's if it is at t = 0, else the input's start value."""
+    return float(channel.values[0]) if channel.times[0] <= SAME_INSTANT else start
+
+
+class Line:
+    """A linear channel: its signal ``slot`` holds the value at an instant, ``middle`` that in the middle of a step."""
+
+    def __init__(self, channel: Channel, slot: int, middle: int, start: float) -> None:
+        """Keep the table; ``start`` holds before its first entry."""
+        self.slot = slot
+        self.middle = middle
+        self._times = channel.times
+        self._values = channel.values
+        self._start = start
+
+    def at(self, t: float) -> float:
+        """Return the value at t [s], after a step at t."""
+        last = bisect_right(self._times, t + SAME_INSTANT) - 1
+        if last < 0:
+            return self._start
+        if last == len(self._times) - 1:
+            return self._values[last]
+        t0, t1 = self._times[last], self._times[last + 1]
+        y0, y1 = self._values[last], self._values[last + 1]
+        return y0 + (y1 - y0) * max(0.0, t - t0) / (t1 - t0)
+
+
+class Schedule:
+    """The changes of all hold channels and the corners of the linear ones, as instants in rising order.
+
+    ``next`` is the time [s] of the first change that was not yet applied, infinite after the last.
+    """
+
+    def __init__(self, holds: Sequence[tuple[Channel, int]], lines: Sequence[Line]) -> None:
+        """Merge the channels, each with the slot of its signal."""
+        changes: list[tuple[float, int, float]] = []
+        for channel, slot in holds:
+            changes += [(time, slot, float(value)) for time, value in zip(channel.times, channel.values, strict=True)]
+        corners = [(time, -1, 0.0) for line in lines for time in line._times]
+        self._changes = sorted(changes + corners, key=lambda change: change[0])
+        self._position = 0
+        self.next = self._changes[0][0] if self._changes else math.inf
+
+    def apply(self, t: float, values: array[float]) -> None:
+        """Put all changes up to t [s], and not yet applied, into the signals; of two at one time the second stays."""
+        while self.next <= t + SAME_INSTANT:
+            _, slot, value = self._changes[self._position]
+            if slot >= 0:
+                values[slot] = value
+            self._position += 1
+            ended = self._position == len(self._changes)
+            self.next = math.inf if ended else self._changes[self._position][0]

@@ -1,0 +1,191 @@
+"""An FMU on disk: its description, and its unpacked binary for as long as it is needed."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import tempfile
+import threading
+import weakref
+import zipfile
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import fmpy
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
+from fmpy.model_description import ModelDescription
+
+from cosim.engine._variable import Variable, variable_of
+from cosim.errors import FmuError
+
+_CAPABILITIES = (
+    "needsExecutionTool",
+    "canBeInstantiatedOnlyOncePerProcess",
+    "canGetAndSetFMUstate",
+    "canSerializeFMUstate",
+    "providesDirectionalDerivative",
+    "canHandleVariableCommunicationStepSize",
+    "fixedInternalStepSize",
+    "maxOutputDerivativeOrder",
+    "canInterpolateInputs",
+    "providesIntermediateUpdate",
+    "canReturnEarlyAfterIntermediateUpdate",
+    "hasEventMode",
+)
+
+# fmpy changes the working folder of the process while it loads a library.
+_loading = threading.Lock()
+
+
+class Fmu:
+    """A Co-Simulation FMU (FMI 2.0 or 3.0), unpacked once into a temporary folder.
+
+    ``path`` is the file, ``name`` the model's name, ``fmi_version`` "2.0" or "3.0", ``sha256`` the file's hash,
+    ``variables`` all scalar variables by name (arrays, binaries and clocks are left out), ``capabilities`` the
+    attributes of the CoSimulation element and ``platforms``, the names of the folders with binaries.
+
+    Use it as a context manager or call ``close``; otherwise the folder is removed when the object is collected or
+    Python ends.
+    """
+
+    path: Path
+    name: str
+    fmi_version: str
+    variables: dict[str, Variable]
+    sha256: str
+    generation_tool: str | None
+    has_event_mode: bool
+    capabilities: dict[str, object]
+    fmi_types: dict[str, str]
+    dependencies: dict[str, frozenset[str] | None]
+    has_continuous_states: bool
+    log_categories: tuple[str, ...]
+
+    def __init__(self, path: Path, description: ModelDescription, sha256: str, platforms: tuple[str, ...]) -> None:
+        """Take over what ``read`` has found; users call ``read``."""
+        self.path = path
+        self.name = description.modelName
+        self.fmi_version = "2.0" if description.fmiMajorVersion == 2 else "3.0"
+        self.sha256 = sha256
+        self.generation_tool = description.generationTool
+        self.has_event_mode = bool(description.coSimulation.hasEventMode)
+        self.capabilities = {key: getattr(description.coSimulation, key) for key in _CAPABILITIES}
+        self.capabilities["platforms"] = platforms
+        self.variables = {}
+        self.fmi_types = {}
+        for described in description.modelVariables:
+            variable = variable_of(described)
+            if variable is not None:
+                self.variables[variable.name] = variable
+                self.fmi_types[variable.name] = described.type
+        self.dependencies = {
+            unknown.variable.name: None
+            if unknown.dependencies is None
+            else frozenset(known.name for known in unknown.dependencies)
+            for unknown in description.outputs
+        }
+        self.has_continuous_states = bool(description.derivatives)
+        self.log_categories = tuple(category.name for category in description.logCategories)
+        self._description = description
+        self._loaded: FMU2Slave | FMU3Slave | None = None
+        self._folder = tempfile.mkdtemp(prefix="cosim-")
+        self._finalizer = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+
+    @classmethod
+    def read(cls, path: Path | str) -> Fmu:
+        """Read the description of an FMU and unpack it.
+
+        Raises FmuError if the file is missing, is no FMU, is damaged, has no Co-Simulation interface or no binary for
+        this computer.
+        """
+        path = Path(path)
+        try:
+            content = path.read_bytes()
+            with zipfile.ZipFile(path) as archive:
+                names = archive.namelist()
+        except OSError as error:
+            raise FmuError(f"cannot be read: {error.strerror}; give the path of an .fmu file", file=path) from error
+        except zipfile.BadZipFile as error:
+            raise FmuError("is not an FMU: it is not a zip archive; export the model again", file=path) from error
+        if "modelDescription.xml" not in names:
+            raise FmuError("is not an FMU: it has no modelDescription.xml; export the model again", file=path)
+        try:
+            description = fmpy.read_model_description(str(path), validate=False)
+        except Exception as error:
+            raise FmuError(
+                f"its modelDescription.xml cannot be read: {error}; run `cosim check` for all that is wrong with it",
+                file=path,
+            ) from error
+        if description.fmiMajorVersion == 1:
+            raise FmuError("is an FMI 1.0 FMU; export it for FMI 2.0 or 3.0", file=path)
+        if description.coSimulation is None:
+            raise FmuError("has no Co-Simulation interface; export it for Co-Simulation", file=path)
+        platforms = tuple(sorted({n.split("/")[1] for n in names if n.startswith("binaries/") and n.count("/") > 1}))
+        library = _library_path(description)
+        if library not in names:
+            raise FmuError(
+                f"has no binary for this computer ({library}); it has {', '.join(platforms) or 'none'}; "
+                "export it for this platform",
+                file=path,
+            )
+        fmu = cls(path, description, hashlib.sha256(content).hexdigest(), platforms)
+        wanted = (library.rsplit("/", 1)[0] + "/", "resources/", "modelDescription.xml")
+        try:
+            fmpy.extract(str(path), fmu._folder, include=lambda name: name.startswith(wanted))
+        except Exception as error:
+            fmu.close()
+            raise FmuError(f"cannot be unpacked: {error}; export the model again", file=path) from error
+        return fmu
+
+    def slave(self) -> FMU2Slave | FMU3Slave:
+        """Return fmpy's FMU2Slave or FMU3Slave, its library loaded (once for all instances).
+
+        Raises FmuError if the library cannot be loaded or lacks a function.
+        """
+        if not self._finalizer.alive:
+            raise FmuError("is closed; read it again to use it", file=self.path)
+        with _loading:
+            if self._loaded is None:
+                self._loaded = self._load()
+        return self._loaded
+
+    def _load(self) -> FMU2Slave | FMU3Slave:
+        kind = FMU2Slave if self.fmi_version == "2.0" else FMU3Slave
+        working_folder = Path.cwd()
+        try:
+            return kind(
+                guid=self._description.guid,
+                modelIdentifier=self._description.coSimulation.modelIdentifier,
+                unzipDirectory=self._folder,
+            )
+        except AttributeError as error:
+            raise FmuError(f"its binary lacks an FMI function: {error}; export it again", file=self.path) from error
+        except Exception as error:
+            raise FmuError(f"its binary cannot be loaded: {error}", file=self.path) from error
+        finally:
+            os.chdir(working_folder)
+
+    def close(self) -> None:
+        """Unload the library and remove the temporary folder; no simulation may be using it."""
+        if self._loaded is not None:
+            self._loaded.freeLibrary()
+            self._loaded = None
+        self._finalizer()
+
+    def __enter__(self) -> Self:
+        """Return the FMU itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the FMU."""
+        self.close()
+
+
+def _library_path(description: ModelDescription) -> str:
+    folder = fmpy.platform if description.fmiMajorVersion == 2 else fmpy.platform_tuple
+    return f"binaries/{folder}/{description.coSimulation.modelIdentifier}{fmpy.sharedLibraryExtension}"

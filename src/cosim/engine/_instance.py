@@ -1,0 +1,269 @@
+"""An instantiated FMU: fmpy's object for what happens once, calls bound to fixed memory for the instants."""
+
+from __future__ import annotations
+
+import copy
+from abc import ABC, abstractmethod
+from array import array
+from collections.abc import Callable, Sequence
+from ctypes import addressof, c_bool, c_double, c_int, c_size_t, c_uint, c_uint32, c_uint64, c_void_p
+from functools import partial
+from typing import ClassVar
+
+from cosim.engine._fmu import Fmu
+from cosim.engine._log import FAILED, STATUS, Log, fmi2_callbacks
+from cosim.engine._variable import Value
+from cosim.errors import FmuError
+
+Call = Callable[[], int]
+"""An FMI function with all its arguments; returns the FMI status."""
+
+EVENT_NEEDED, TERMINATE, EARLY_RETURN = 0x1, 0x100, 0x10000
+"""Bits of ``Instance.flags``, which doStep sets."""
+
+UPDATE_NEEDED, UPDATE_TERMINATES, NEXT_EVENT_DEFINED = 0x1, 0x100, 0x100000000
+"""Bits of ``Instance.update_flags``, which updateDiscreteStates sets."""
+
+
+class CallError(Exception):
+    """A component cannot go on: what happened, and what to try."""
+
+    def __init__(self, instance: Instance, what: str, remedy: str) -> None:
+        """Keep all three."""
+        super().__init__(what)
+        self.instance = instance
+        self.what = what
+        self.remedy = remedy
+
+
+class Instance(ABC):
+    """One instance of an FMU, from instantiation to freeing.
+
+    ``do_step`` steps from ``t`` over ``h`` [s] and leaves ``flags``; ``update`` leaves ``update_flags`` and
+    ``next_event`` [s]. All are bound once, since a call through fmpy costs ten times as much as the bare one.
+    """
+
+    type_codes: ClassVar[dict[str, str]]
+    do_step: Call
+    enter_event: Call
+    enter_step: Call
+    update: Call
+
+    def __init__(self, name: str, fmu: Fmu, event_mode: bool) -> None:
+        """Instantiate; raises FmuError if the FMU refuses."""
+        self.name = name
+        self.fmu = fmu
+        self.log = Log()
+        self.t = c_double()
+        self.h = c_double()
+        self.flags = c_uint32()
+        self.update_flags = c_uint64()
+        self.next_event = c_double()
+        self._fatal = False
+        self._slave = copy.copy(fmu.slave())
+        self._slave.instanceName = name
+        levels = ("logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal")
+        categories = [category for category in fmu.log_categories if category in levels]
+        try:
+            self._instantiate(event_mode, logging=not categories)
+            if categories:
+                self._slave.setDebugLogging(True, categories)
+        except Exception as error:
+            raise FmuError(
+                f"{name} ({fmu.name}) cannot be instantiated; {self.log}; check that the file is complete",
+                file=fmu.path,
+            ) from error
+        self._bind_calls()
+
+    @abstractmethod
+    def _instantiate(self, event_mode: bool, logging: bool) -> None: ...
+
+    @abstractmethod
+    def _bind_calls(self) -> None: ...
+
+    @abstractmethod
+    def getter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
+        """Return a call that reads variables of one FMI type into the memory at ``address``."""
+
+    @abstractmethod
+    def setter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
+        """Return a call that sets variables of one FMI type from the memory at ``address``."""
+
+    @abstractmethod
+    def set_string(self, reference: int, value: str) -> None:
+        """Set a String."""
+
+    @abstractmethod
+    def enter_initialization(self, tolerance: float, stop: float | None) -> None:
+        """Enter Initialization Mode at t = 0; ``stop`` [s], or None if steps may go beyond it."""
+
+    def exit_initialization(self) -> None:
+        """Leave Initialization Mode."""
+        self.once("ExitInitializationMode", self._slave.exitInitializationMode)
+
+    def _bind(self, function: str, *arguments: object) -> Call:
+        bare = self._slave.dll[function]  # without argtypes: every argument is a ctypes object of the right type
+        bare.restype = c_int
+        return partial(bare, c_void_p(self._slave.component), *arguments)
+
+    def set_value(self, name: str, value: Value) -> None:
+        """Set one variable by name, before or in Initialization Mode."""
+        variable, fmi_type = self.fmu.variables[name], self.fmu.fmi_types[name]
+        if isinstance(value, str):
+            self.once(f"SetString({name})", partial(self.set_string, variable.value_reference, value))
+            return
+        buffer = array(self.type_codes[fmi_type], [value if variable.type == "Real" else int(value)])
+        call = self.setter(fmi_type, [variable.value_reference], buffer.buffer_info()[0])
+        self.check(f"Set{fmi_type}({name})", call())
+
+    def get_value(self, name: str) -> float:
+        """Return one number by name."""
+        variable, fmi_type = self.fmu.variables[name], self.fmu.fmi_types[name]
+        buffer = array(self.type_codes[fmi_type], [0])
+        call = self.getter(fmi_type, [variable.value_reference], buffer.buffer_info()[0])
+        self.check(f"Get{fmi_type}({name})", call())
+        return buffer[0]
+
+    def once(self, function: str, call: Callable[[], object]) -> None:
+        """Call through fmpy; raises CallError with the status that the FMU returned."""
+        try:
+            call()
+        except Exception as error:
+            self.check(function, int(getattr(error, "status", 3)))
+
+    def check(self, function: str, status: int) -> None:
+        """Raise CallError if a status says that a call failed."""
+        if status >= FAILED:
+            self._fatal = status == STATUS.index("Fatal")
+            name = STATUS[status] if status < len(STATUS) else str(status)
+            raise CallError(self, f"fmi{self.fmu.fmi_version[0]}{function} returned {name}", self._remedy(status))
+
+    def _remedy(self, status: int) -> str:
+        if not self.fmu.capabilities["canHandleVariableCommunicationStepSize"]:
+            return (
+                "it accepts steps of one length only: choose an output interval on which all samples and steps of the "
+                "channels fall"
+            )
+        if status == STATUS.index("Discard"):
+            return "it could not finish this step: try a smaller output interval or a looser tolerance"
+        return "check its parameters and its inputs at that time, or try another tolerance"
+
+    def fail_to_go_on(self) -> None:
+        """Raise CallError for a component that asked for the end of the simulation."""
+        raise CallError(
+            self,
+            "asked to end the simulation",
+            "set stop before that time, or change what makes it end",
+        )
+
+    def free(self) -> None:
+        """Terminate and free the instance, unless the FMU has declared itself broken."""
+        if self._fatal or not self._slave.component:
+            return
+        try:
+            self._slave.terminate()
+        except Exception:  # after an error an FMU may refuse to terminate; it is freed all the same
+            self.log.add(0, None)
+        getattr(self._slave, f"fmi{self.fmu.fmi_version[0]}FreeInstance")(self._slave.component)
+        self._slave.component = None
+
+
+class Fmi2Instance(Instance):
+    """An FMI 2.0 instance; it has no event mode."""
+
+    type_codes: ClassVar[dict[str, str]] = {"Real": "d", "Integer": "i", "Boolean": "i", "Enumeration": "i"}
+
+    def _instantiate(self, event_mode: bool, logging: bool) -> None:
+        self._slave.instantiate(callbacks=fmi2_callbacks(self.log), loggingOn=logging)
+
+    def _bind_calls(self) -> None:
+        self.do_step = self._bind("fmi2DoStep", self.t, self.h, c_int(1))
+
+    def getter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
+        """Bind fmi2GetReal and its siblings."""
+        return self._access("Get", fmi_type, references, address)
+
+    def setter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
+        """Bind fmi2SetReal and its siblings."""
+        return self._access("Set", fmi_type, references, address)
+
+    def _access(self, verb: str, fmi_type: str, references: Sequence[int], address: int) -> Call:
+        count = len(references)
+        kind = "Integer" if fmi_type == "Enumeration" else fmi_type
+        return self._bind(f"fmi2{verb}{kind}", (c_uint * count)(*references), c_size_t(count), c_void_p(address))
+
+    def set_string(self, reference: int, value: str) -> None:
+        """Call fmi2SetString."""
+        self._slave.setString([reference], [value])
+
+    def enter_initialization(self, tolerance: float, stop: float | None) -> None:
+        """Call fmi2SetupExperiment and fmi2EnterInitializationMode."""
+        setup = partial(self._slave.setupExperiment, tolerance=tolerance, startTime=0.0, stopTime=stop)
+        self.once("SetupExperiment", setup)
+        self.once("EnterInitializationMode", self._slave.enterInitializationMode)
+
+
+class Fmi3Instance(Instance):
+    """An FMI 3.0 instance."""
+
+    type_codes: ClassVar[dict[str, str]] = {
+        "Float64": "d",
+        "Float32": "f",
+        "Int8": "b",
+        "UInt8": "B",
+        "Int16": "h",
+        "UInt16": "H",
+        "Int32": "i",
+        "UInt32": "I",
+        "Int64": "q",
+        "UInt64": "Q",
+        "Boolean": "B",
+        "Enumeration": "q",
+    }
+
+    def _instantiate(self, event_mode: bool, logging: bool) -> None:
+        log = self.log
+        self._slave.instantiate(
+            loggingOn=logging,
+            eventModeUsed=event_mode,
+            logMessage=lambda environment, status, category, message: log.add(status, message),
+        )
+
+    def _bind_calls(self) -> None:
+        flags = [c_void_p(addressof(self.flags) + byte) for byte in range(3)]
+        self._reached = c_double()
+        reached = c_void_p(addressof(self._reached))
+        self.do_step = self._bind("fmi3DoStep", self.t, self.h, c_bool(True), *flags, reached)
+        updates = [c_void_p(addressof(self.update_flags) + byte) for byte in range(5)]
+        self.update = self._bind("fmi3UpdateDiscreteStates", *updates, c_void_p(addressof(self.next_event)))
+        self.enter_event = self._bind("fmi3EnterEventMode")
+        self.enter_step = self._bind("fmi3EnterStepMode")
+
+    def getter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
+        """Bind fmi3GetFloat64 and its siblings."""
+        return self._access("Get", fmi_type, references, address)
+
+    def setter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
+        """Bind fmi3SetFloat64 and its siblings."""
+        return self._access("Set", fmi_type, references, address)
+
+    def _access(self, verb: str, fmi_type: str, references: Sequence[int], address: int) -> Call:
+        count = len(references)
+        kind = "Int64" if fmi_type == "Enumeration" else fmi_type
+        size = c_size_t(count)
+        return self._bind(f"fmi3{verb}{kind}", (c_uint * count)(*references), size, c_void_p(address), size)
+
+    def set_string(self, reference: int, value: str) -> None:
+        """Call fmi3SetString."""
+        self._slave.setString([reference], [value])
+
+    def enter_initialization(self, tolerance: float, stop: float | None) -> None:
+        """Call fmi3EnterInitializationMode."""
+        enter = partial(self._slave.enterInitializationMode, tolerance=tolerance, startTime=0.0, stopTime=stop)
+        self.once("EnterInitializationMode", enter)
+
+
+def instantiate(name: str, fmu: Fmu, event_mode: bool) -> Instance:
+    """Return a new instance of an FMU; raises FmuError if the FMU refuses."""
+    kind = Fmi2Instance if fmu.fmi_version == "2.0" else Fmi3Instance
+    return kind(name, fmu, event_mode)

@@ -1,0 +1,78 @@
+"""What an FMU says through its logger, kept for the message of a failure."""
+
+from __future__ import annotations
+
+import itertools
+from collections import deque
+from ctypes import byref
+from weakref import WeakValueDictionary
+
+from fmpy import calloc, free
+from fmpy.fmi1 import printLogMessage
+from fmpy.fmi2 import (
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from fmpy.logging import addLoggerProxy
+
+STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+FAILED = 2
+"""From this status on, a call has failed."""
+
+_KEPT = 5
+
+
+class Log:
+    """The last messages of one FMU that are warnings or worse."""
+
+    def __init__(self) -> None:
+        """Start empty."""
+        self._messages: deque[str] = deque(maxlen=_KEPT)
+        self.key = next(_keys)
+        _logs[self.key] = self
+
+    def add(self, status: int, message: bytes | None) -> None:
+        """Keep a message if its status is worth it."""
+        if status > 0 and message:
+            text = message.decode("utf-8", "replace").strip()
+            if text and text not in self._messages:
+                self._messages.append(text)
+
+    def __str__(self) -> str:
+        """Return what the FMU said, as part of a sentence."""
+        return f"the FMU says: {' | '.join(self._messages)}" if self._messages else "the FMU gave no reason"
+
+
+_keys = itertools.count(1)
+_logs: WeakValueDictionary[int, Log] = WeakValueDictionary()
+
+
+def _dispatch(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    log = _logs.get(environment or 0)
+    if log is not None:
+        log.add(status, message)
+    else:
+        printLogMessage(environment, name, status, category, message)
+
+
+def fmi2_callbacks(log: Log) -> fmi2CallbackFunctions:
+    """Return callback functions for one FMI 2.0 instance, whose messages go to ``log``.
+
+    FMI 2.0 messages are printf formats; fmpy's native proxy formats them and hands them to one Python function per
+    process, so that function looks the log up by the environment. Messages of FMUs that others run through fmpy are
+    printed, as fmpy does.
+    """
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = _logger
+    callbacks.allocateMemory = _allocate
+    callbacks.freeMemory = _free
+    callbacks.componentEnvironment = log.key
+    addLoggerProxy(byref(callbacks))
+    return callbacks
+
+
+_logger = fmi2CallbackLoggerTYPE(_dispatch)
+_allocate = fmi2CallbackAllocateMemoryTYPE(calloc)
+_free = fmi2CallbackFreeMemoryTYPE(free)

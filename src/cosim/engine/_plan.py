@@ -1,0 +1,217 @@
+"""The flat tables that the loop runs over: one vector of signals, one of inputs, and groups of variables in them.
+
+Signals (``values``), in this order: the outputs of all components, the channels, and the middles of linear channels.
+The first ``recorded`` of them are the columns of the result. Each group of Float64 variables lies in one piece, so
+that the FMU reads and writes the doubles of these vectors themselves; other types go through a buffer.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from dataclasses import dataclass
+from typing import Any
+
+from cosim.engine._channels import Line, Schedule, first_value
+from cosim.engine._instance import Instance
+from cosim.engine._order import computing_order
+from cosim.engine._participant import Buffer, InputGroup, OutputGroup, Participant, Wire
+from cosim.engine._role import Role, period_of, role_of
+from cosim.engine._system import Channel, Component, System, dotted
+from cosim.engine._variable import Variable
+
+
+@dataclass
+class Plan:
+    """All that the loop needs.
+
+    ``columns`` maps "component.variable" to its signal, in the order of the result; ``ends`` are the (component,
+    variable) of the recorded signals, ``variables`` describes the columns. ``coupled`` tells whether continuous
+    components drive each other or follow a linear channel, so that every output point is an exchange.
+    """
+
+    values: array[float]
+    inputs: array[float]
+    recorded: int
+    columns: dict[str, int]
+    ends: list[tuple[str, str]]
+    variables: dict[str, Variable]
+    discrete: list[Participant]
+    continuous: list[Participant]
+    schedule: Schedule
+    lines: list[Line]
+    coupled: bool
+
+
+def roles_of(system: System) -> dict[str, Role]:
+    """Return the role of each component by name."""
+    return {component.name: role_of(component.fmu) for component in system.components}
+
+
+def make_plan(system: System, instances: dict[str, Instance], output_interval: float) -> Plan:
+    """Lay out the signals of a checked system and bind the calls of its instances."""
+    roles = roles_of(system)
+    signals, columns, recorded, total = _lay_out(system)
+    values = array("d", bytes(8 * total))
+    inputs = array("d", bytes(8 * (len(system.connections) + len(system.channels))))
+    holds, lines = _channel_signals(system, signals, values, total)
+    wires = _sources(system, signals, roles, lines)
+    participants: dict[str, Participant] = {}
+    free = 0
+    for component in system.components:
+        instance = instances[component.name]
+        groups = _input_groups(component, instance, wires, inputs, free)
+        free += sum(len(group.wires) for group in groups)
+        participants[component.name] = Participant(
+            instance,
+            roles[component.name],
+            period_of(component, output_interval) if roles[component.name] is Role.SAMPLED else math.inf,
+            values,
+            inputs,
+            groups,
+            _output_groups(component, instance, signals, values),
+            _triggers(system, groups, signals, roles) if roles[component.name] is Role.EVENT else (),
+        )
+    continuous = [c for c in system.components if roles[c.name] is Role.CONTINUOUS]
+    discrete = [c for c in system.components if roles[c.name] is not Role.CONTINUOUS]
+    by_name = {component.name: component for component in system.components}
+    names = {component.name for component in continuous}
+    coupled = any(c.source[0] in names and c.target[0] in names for c in system.connections)
+    return Plan(
+        values=values,
+        inputs=inputs,
+        recorded=recorded,
+        columns=columns,
+        ends=list(signals),
+        variables={dotted(end): by_name[end[0]].fmu.variables[end[1]] for end in signals},
+        discrete=[participants[c.name] for c in computing_order(discrete, system.connections)],
+        continuous=[participants[c.name] for c in computing_order(continuous, system.connections)],
+        schedule=Schedule(holds, lines),
+        lines=lines,
+        coupled=coupled or bool(lines),
+    )
+
+
+def _recorded_outputs(component: Component) -> list[str]:
+    return [v.name for v in component.fmu.variables.values() if v.causality == "output" and v.type != "String"]
+
+
+def _by_type(component: Component, names: list[str]) -> dict[str, list[str]]:
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        groups.setdefault(component.fmu.fmi_types[name], []).append(name)
+    return groups
+
+
+def _lay_out(system: System) -> tuple[dict[tuple[str, str], int], dict[str, int], int, int]:
+    """Return the slot of each signal, of each column, the number of recorded signals, and of all."""
+    signals: dict[tuple[str, str], int] = {}
+    for component in system.components:
+        for names in _by_type(component, _recorded_outputs(component)).values():
+            for name in names:
+                signals[component.name, name] = len(signals)
+    for channel in system.channels:
+        signals[channel.target] = len(signals)
+    columns = {
+        dotted((component.name, name)): signals[component.name, name]
+        for component in system.components
+        for name in _recorded_outputs(component)
+    }
+    columns |= {dotted(channel.target): signals[channel.target] for channel in system.channels}
+    return signals, columns, len(signals), len(signals) + sum(channel.linear for channel in system.channels)
+
+
+def _channel_signals(
+    system: System, signals: dict[tuple[str, str], int], values: array[float], total: int
+) -> tuple[list[tuple[Channel, int]], list[Line]]:
+    """Put the values for initialisation into the signals of the channels."""
+    by_name = {component.name: component for component in system.components}
+    holds: list[tuple[Channel, int]] = []
+    lines: list[Line] = []
+    middle = total - sum(channel.linear for channel in system.channels)
+    for channel in system.channels:
+        name, variable = channel.target
+        start = float(by_name[name].fmu.variables[variable].start or 0.0)
+        slot = signals[channel.target]
+        values[slot] = first_value(channel, start)
+        if channel.linear:
+            values[middle] = values[slot]
+            lines.append(Line(channel, slot, middle, start))
+            middle += 1
+        else:
+            holds.append((channel, slot))
+    return holds, lines
+
+
+_Source = tuple[int, float, float]
+
+
+def _sources(
+    system: System, signals: dict[tuple[str, str], int], roles: dict[str, Role], lines: list[Line]
+) -> dict[tuple[str, str], _Source]:
+    """Return slot, factor and offset of each driven input: of the middle, for a linear channel of a continuous one."""
+    sources: dict[tuple[str, str], _Source] = {}
+    for connection in system.connections:
+        sources[connection.target] = (signals[connection.source], connection.factor, connection.offset)
+    middles = {line.slot: line.middle for line in lines}
+    for channel in system.channels:
+        slot = signals[channel.target]
+        if roles[channel.target[0]] is Role.CONTINUOUS:
+            slot = middles.get(slot, slot)
+        sources[channel.target] = (slot, 1.0, 0.0)
+    return sources
+
+
+def _input_groups(
+    component: Component,
+    instance: Instance,
+    sources: dict[tuple[str, str], _Source],
+    inputs: array[float],
+    free: int,
+) -> tuple[InputGroup, ...]:
+    driven = [name for name in component.fmu.variables if (component.name, name) in sources]
+    groups: list[InputGroup] = []
+    for fmi_type, names in _by_type(component, driven).items():
+        wires = tuple(Wire(target, *sources[component.name, name]) for target, name in enumerate(names, free))
+        buffer, address = _memory(instance, fmi_type, inputs, free, len(names))
+        references = [component.fmu.variables[name].value_reference for name in names]
+        groups.append(InputGroup(instance.setter(fmi_type, references, address), free, buffer, wires))
+        free += len(names)
+    return tuple(groups)
+
+
+def _output_groups(
+    component: Component, instance: Instance, signals: dict[tuple[str, str], int], values: array[float]
+) -> tuple[OutputGroup, ...]:
+    groups: list[OutputGroup] = []
+    for fmi_type, names in _by_type(component, _recorded_outputs(component)).items():
+        start = signals[component.name, names[0]]
+        buffer, address = _memory(instance, fmi_type, values, start, len(names))
+        references = [component.fmu.variables[name].value_reference for name in names]
+        groups.append(OutputGroup(instance.getter(fmi_type, references, address), start, buffer))
+    return tuple(groups)
+
+
+def _memory(instance: Instance, fmi_type: str, vector: array[float], start: int, count: int) -> tuple[Buffer, int]:
+    """Return the buffer and the address that a call uses: the vector itself for doubles."""
+    code = instance.type_codes[fmi_type]
+    if code == "d":
+        return None, vector.buffer_info()[0] + start * vector.itemsize
+    buffer: array[Any] = array(code, [0] * count)
+    return buffer, buffer.buffer_info()[0]
+
+
+def _triggers(
+    system: System, groups: tuple[InputGroup, ...], signals: dict[tuple[str, str], int], roles: dict[str, Role]
+) -> tuple[Wire, ...]:
+    """Return the wires from sources that change at instants only: discrete components and hold channels."""
+    stepwise = {signals[channel.target] for channel in system.channels if not channel.linear}
+    stepwise |= {
+        slot for (name, variable), slot in signals.items() if _is_discrete_output(system, name, variable, roles)
+    }
+    return tuple(wire for group in groups for wire in group.wires if wire.source in stepwise)
+
+
+def _is_discrete_output(system: System, name: str, variable: str, roles: dict[str, Role]) -> bool:
+    fmu = next(component.fmu for component in system.components if component.name == name)
+    return roles[name] is not Role.CONTINUOUS and fmu.variables[variable].causality == "output"

@@ -1,0 +1,54 @@
+"""What a simulation returns, and the errors that carry what was computed before it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import SimulationError
+
+
+@dataclass
+class Result:
+    """Trajectories on the output grid.
+
+    ``time`` [s] has shape (n,): the multiples of the output interval, and stop as the last. ``columns`` maps
+    "component.variable" to an array of shape (n,), in the order of the components: all their outputs, then the inputs
+    that channels drive; float64 for Real, int64 for the other types (a Boolean is 0 or 1). ``units`` holds the FMI
+    unit of the columns that have one, ``literals`` the names of an enumeration's values 1, 2, ...
+
+    A row holds the values after the events at its time; an output of a continuous component holds the end of the step
+    that led there, before those events act on it.
+
+    ``statistics``: ``wall_s`` [s] of the loop; ``exchanges``, the number of instants at which values were handed
+    over; by component ``roles``, ``steps`` (doStep calls), ``events`` (instants with an event, event-mode components)
+    and ``solver`` (the counters that the FMU publishes as ``solver.*``).
+    """
+
+    time: NDArray[np.float64]
+    columns: dict[str, NDArray[np.float64] | NDArray[np.int64]]
+    units: dict[str, str] = field(default_factory=dict)
+    literals: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    statistics: dict[str, object] = field(default_factory=dict)
+    complete: bool = True
+    message: str | None = None
+
+
+class PartialResultError(SimulationError):
+    """A simulation that could not be finished; ``result`` holds the rows before the failure."""
+
+    def __init__(self, message: str, result: Result) -> None:
+        """Keep the message and the partial result."""
+        super().__init__(message)
+        self.result = result
+
+
+class SimulationInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a simulation; ``result`` holds the rows up to then."""
+
+    def __init__(self, message: str, result: Result) -> None:
+        """Keep the message and the partial result."""
+        super().__init__(message)
+        self.result = result

@@ -1,0 +1,50 @@
+"""How a component takes part in time: at its own events, at its own samples, or continuously."""
+
+from __future__ import annotations
+
+import enum
+
+from cosim.engine._fmu import Fmu
+from cosim.engine._system import SAME_INSTANT, Component
+from cosim.errors import FmuError
+
+_PERIOD = "T_compute"
+
+
+class Role(enum.Enum):
+    """When a component is computed.
+
+    A component is discrete if its model description lists no continuous state, and either none of its outputs is
+    continuous or it has a parameter ``T_compute``. A discrete component with an event mode (FMI 3.0) announces its own
+    events; any other discrete component is sampled: its doStep(t, h) executes the sample at t and holds the outputs
+    until t + h, with h = ``T_compute``, or the output interval if it has no such parameter. All else is continuous
+    and is run without event mode.
+    """
+
+    EVENT = "event"
+    SAMPLED = "sampled"
+    CONTINUOUS = "continuous"
+
+
+def role_of(fmu: Fmu) -> Role:
+    """Return the role that the model description of an FMU implies."""
+    outputs = [variable for variable in fmu.variables.values() if variable.causality == "output"]
+    all_discrete = bool(outputs) and all(variable.variability != "continuous" for variable in outputs)
+    if fmu.has_continuous_states or not (all_discrete or _has_period(fmu)):
+        return Role.CONTINUOUS
+    return Role.EVENT if fmu.has_event_mode else Role.SAMPLED
+
+
+def period_of(component: Component, output_interval: float) -> float:
+    """Return the sample period [s] of a sampled component; raises FmuError if it is not positive."""
+    if not _has_period(component.fmu):
+        return output_interval
+    value = component.parameters.get(_PERIOD, component.fmu.variables[_PERIOD].start)
+    if not isinstance(value, int | float) or not value > 2.0 * SAME_INSTANT:
+        raise FmuError(f"{component.name}.{_PERIOD}: is {value}; a sample period must be above {2.0 * SAME_INSTANT} s")
+    return float(value)
+
+
+def _has_period(fmu: Fmu) -> bool:
+    variable = fmu.variables.get(_PERIOD)
+    return variable is not None and variable.causality == "parameter" and variable.type == "Real"

@@ -1,0 +1,171 @@
+"""What is simulated: components, the connections between them, and channels that drive inputs from a table."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from cosim.engine._fmu import Fmu
+from cosim.engine._variable import Value, Variable
+from cosim.errors import FmuError, InputError
+
+SAME_INSTANT = 1e-9
+"""Two instants closer than this are one [s]."""
+
+_ACCEPTED = {
+    "Real": ("Real", "Integer", "Enumeration", "Boolean"),
+    "Integer": ("Integer", "Enumeration", "Boolean"),
+    "Enumeration": ("Enumeration", "Integer"),
+    "Boolean": ("Boolean",),
+}
+
+
+@dataclass
+class Component:
+    """An FMU under the name it has in this system, and the parameters that differ from its start values (SI)."""
+
+    name: str
+    fmu: Fmu
+    parameters: dict[str, Value] = field(default_factory=dict)
+
+
+@dataclass
+class Connection:
+    """``target = factor * source + offset``; both ends are (component, variable)."""
+
+    source: tuple[str, str]
+    target: tuple[str, str]
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass
+class Channel:
+    """An input driven from a table: ``values`` (in the input's unit) at ``times`` [s], as long as each other.
+
+    Two entries with one time are a step. A channel holds each value until the next entry, or, if ``linear``, is
+    interpolated. Before its first entry the input keeps its start value; after the last it keeps the last value. At
+    t = 0 initialisation uses the first of two entries, the second acts from then on.
+    """
+
+    target: tuple[str, str]
+    times: list[float]
+    values: list[float]
+    linear: bool = False
+
+
+@dataclass
+class System:
+    """Components, and what drives their inputs; an input that nothing drives keeps its start value."""
+
+    components: list[Component]
+    connections: list[Connection] = field(default_factory=list)
+    channels: list[Channel] = field(default_factory=list)
+
+    def check(self) -> None:
+        """Raise InputError (FmuError for a variable that an FMU does not have) if this system cannot be simulated."""
+        if not self.components:
+            raise InputError("the system has no components; give it at least one FMU")
+        by_name: dict[str, Component] = {}
+        for component in self.components:
+            if component.name in by_name:
+                raise InputError(f'two components have the name "{component.name}"; give each a name of its own')
+            by_name[component.name] = component
+            _check_single_instance(component, self.components)
+        driven: set[tuple[str, str]] = set()
+        for connection in self.connections:
+            source = _find(by_name, connection.source, "output")
+            target = _find(by_name, connection.target, "input")
+            _claim(driven, connection.target)
+            _check_types(connection, source, target)
+        for channel in self.channels:
+            target = _find(by_name, channel.target, "input")
+            _claim(driven, channel.target)
+            _check_table(channel, target)
+
+
+def dotted(end: tuple[str, str]) -> str:
+    """Return the name of a variable of a component as the user writes it: "plant.duty"."""
+    return ".".join(end)
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Return ``; did you mean ...?`` with the known names closest to ``name``, or nothing."""
+    close = difflib.get_close_matches(name, list(known), n=3)
+    return f"; did you mean {' or '.join(close)}?" if close else ""
+
+
+def _check_single_instance(component: Component, components: list[Component]) -> None:
+    if component.fmu.capabilities["canBeInstantiatedOnlyOncePerProcess"]:
+        names = [other.name for other in components if other.fmu is component.fmu]
+        if len(names) > 1:
+            raise FmuError(
+                f"can be used only once in a system, but it is {', '.join(names)}; keep one of them",
+                file=component.fmu.path,
+            )
+
+
+def _find(by_name: dict[str, Component], end: tuple[str, str], causality: str) -> Variable:
+    name, variable_name = end
+    component = by_name.get(name)
+    if component is None:
+        raise InputError(
+            f'{dotted(end)}: there is no component "{name}"; there are {", ".join(by_name)}{suggestion(name, by_name)}'
+        )
+    variable = component.fmu.variables.get(variable_name)
+    if variable is None:
+        names = [v.name for v in component.fmu.variables.values() if v.causality == causality]
+        raise FmuError(
+            f"{dotted(end)}: {component.fmu.name} has no {causality} {variable_name}; its {causality}s are "
+            f"{', '.join(names) or 'none'}{suggestion(variable_name, names)}"
+        )
+    if variable.causality != causality:
+        raise FmuError(f"{dotted(end)}: is of causality {variable.causality}; an {causality} is needed here")
+    if variable.type == "String":
+        raise FmuError(f"{dotted(end)}: is a String; only numbers can be exchanged")
+    return variable
+
+
+def _claim(driven: set[tuple[str, str]], target: tuple[str, str]) -> None:
+    if target in driven:
+        raise InputError(f"{dotted(target)}: is driven twice; keep one of its connections and channels")
+    driven.add(target)
+
+
+def _check_types(connection: Connection, source: Variable, target: Variable) -> None:
+    ends = f"{dotted(connection.source)} -> {dotted(connection.target)}"
+    if source.type not in _ACCEPTED[target.type]:
+        raise InputError(
+            f"{ends}: a {source.type} cannot drive a {target.type}; it takes {' or '.join(_ACCEPTED[target.type])}"
+        )
+    if target.type != "Real" and (connection.factor, connection.offset) != (1.0, 0.0):
+        raise InputError(f"{ends}: factor and offset need a Real target, but it is a {target.type}; leave them out")
+    if not (math.isfinite(connection.factor) and math.isfinite(connection.offset)):
+        raise InputError(f"{ends}: factor {connection.factor} and offset {connection.offset} must be finite")
+
+
+def _check_table(channel: Channel, target: Variable) -> None:
+    name = dotted(channel.target)
+    if not channel.times or len(channel.times) != len(channel.values):
+        raise InputError(
+            f"channel {name}: it has {len(channel.times)} times and {len(channel.values)} values; "
+            "as many of both are needed, at least one"
+        )
+    if not all(map(math.isfinite, [*channel.times, *channel.values])):
+        raise InputError(f"channel {name}: every time and value must be finite")
+    if channel.times[0] < 0.0:
+        raise InputError(f"channel {name}: its first time is {channel.times[0]:g} s; a simulation starts at 0 s")
+    for before, after in zip(channel.times, channel.times[1:], strict=False):
+        if after < before:
+            raise InputError(f"channel {name}: time goes back from {before:g} s to {after:g} s; sort the entries")
+    for first, third in zip(channel.times, channel.times[2:], strict=False):
+        if third == first:
+            raise InputError(f"channel {name}: three entries at {first:g} s; a step has two")
+    if channel.linear and target.type != "Real":
+        raise InputError(f"channel {name}: a {target.type} cannot be interpolated; let it hold")
+    if target.type != "Real" and any(value != int(value) for value in channel.values):
+        raise InputError(f"channel {name}: a {target.type} takes whole numbers only")
+    if target.type == "Boolean" and any(value not in (0, 1) for value in channel.values):
+        raise InputError(f"channel {name}: a Boolean takes 0 and 1 only")

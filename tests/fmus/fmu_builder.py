@@ -1,0 +1,178 @@
+"""Builds the test FMUs: compiles a model of this folder and packs it with a model description."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import zipfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import fmpy
+
+HERE = Path(__file__).parent
+FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
+_CFLAGS = ["-shared", "-fPIC", "-O2", "-std=c11", "-ffp-contract=off", "-w"]
+_FMI2_TYPES = {"Float64": "Real", "Int32": "Integer", "UInt64": "Integer"}
+
+
+@dataclass(frozen=True)
+class Described:
+    """A variable of a test FMU; ``depends`` are the inputs an output depends on directly, None for unknown."""
+
+    name: str
+    reference: int
+    causality: str
+    variability: str = "continuous"
+    type: str = "Float64"
+    start: str | None = None
+    unit: str | None = None
+    depends: tuple[str, ...] | None = ()
+
+
+@dataclass(frozen=True)
+class Model:
+    """A test model: the C file, its variables, whether it has an event mode, and the literals of its enumeration."""
+
+    source: str
+    variables: tuple[Described, ...]
+    has_event_mode: bool = False
+    literals: tuple[str, ...] = ()
+
+
+SAMPLER = Model(
+    "sampler",
+    (
+        Described("u", 1, "input", start="0", unit="m"),
+        Described("enable", 2, "input", "discrete", "Boolean", start="true"),
+        Described("T_compute", 3, "parameter", "fixed", start="0.02", unit="s"),
+        Described("K", 4, "parameter", "tunable", start="1"),
+        Described("y", 5, "output", "discrete", unit="m/s", depends=("u", "enable")),
+        Described("t_sample", 6, "output", "discrete", unit="s"),
+        Described("count", 7, "output", "discrete", "Int32"),
+        Described("events", 8, "output", "discrete", "Int32"),
+        Described("side", 9, "output", "discrete", "Enumeration", depends=("u",)),
+        Described("enabled", 10, "output", "discrete", "Boolean", depends=("enable",)),
+    ),
+    has_event_mode=True,
+    literals=("left", "middle", "right"),
+)
+INTEGRATOR = Model(
+    "integrator",
+    (
+        Described("u", 1, "input", start="0", unit="m/s"),
+        Described("x0", 2, "parameter", "fixed", start="0", unit="m"),
+        Described("offset", 3, "parameter", "tunable", start="0", unit="m/s"),
+        Described("x", 4, "output", unit="m"),
+        Described("y", 5, "output", unit="m/s", depends=("u",)),
+        Described("positive", 6, "output", "discrete", "Boolean"),
+        Described("solver.steps", 7, "local", "discrete", "UInt64"),
+        Described("longest", 8, "local", "discrete", unit="s"),
+        Described("gain", 9, "parameter", "fixed", start="1"),
+    ),
+)
+FAULTY = Model(
+    "faulty",
+    (
+        Described("fault", 1, "parameter", "fixed", "Enumeration", start="1"),
+        Described("t_fault", 2, "parameter", "fixed", start="0", unit="s"),
+        Described("y", 3, "output", unit="s"),
+    ),
+    literals=("none", "not_a_number", "error", "discard", "terminate", "silent_error", "fatal"),
+)
+MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY)}
+
+
+def build(model: Model, fmi: int, folder: Path) -> Path:
+    """Compile and pack a model for FMI 2 or 3; return the path of the FMU."""
+    name = model.source
+    library = folder / f"{name}{fmi}{fmpy.sharedLibraryExtension}"
+    cc = shutil.which("cc") or shutil.which("gcc")
+    compiler = [cc] if cc else [sys.executable, "-m", "ziglang", "cc"]
+    sources = [str(HERE / f"{name}.c"), str(HERE / "stubs.c")]
+    subprocess.run(
+        [*compiler, *_CFLAGS, f"-DFMI={fmi}", f"-I{FMI_HEADERS}", f"-I{HERE}", *sources, "-lm", "-o", str(library)],
+        check=True,
+    )
+    platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
+    path = folder / f"{name}{fmi}.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", description(model, fmi))
+        archive.write(library, f"binaries/{platform}/{name}{fmpy.sharedLibraryExtension}")
+    return path
+
+
+def with_unknown_dependencies(model: Model) -> Model:
+    """Return the model without any statement of what its outputs depend on."""
+    return replace(model, variables=tuple(replace(variable, depends=None) for variable in model.variables))
+
+
+def description(model: Model, fmi: int) -> str:
+    """Return the modelDescription.xml."""
+    return _description2(model) if fmi == 2 else _description3(model)
+
+
+def _attributes(variable: Described, *names: str) -> str:
+    values = {name: getattr(variable, name) for name in names}
+    return " ".join(f'{name}="{value}"' for name, value in values.items() if value is not None)
+
+
+def _units(model: Model) -> str:
+    units = sorted({variable.unit for variable in model.variables if variable.unit})
+    return "".join(f'<Unit name="{unit}"/>' for unit in units)
+
+
+def _items(model: Model) -> str:
+    return "".join(f'<Item name="{name}" value="{i}"/>' for i, name in enumerate(model.literals, 1))
+
+
+def _description3(model: Model) -> str:
+    types = f'<EnumerationType name="Choice">{_items(model)}</EnumerationType>' if model.literals else ""
+    lines = []
+    for v in model.variables:
+        declared = ' declaredType="Choice"' if v.type == "Enumeration" else ""
+        attributes = _attributes(v, "name", "causality", "variability", "start", "unit")
+        lines.append(f'<{v.type} valueReference="{v.reference}" {attributes}{declared}/>')
+    outputs = []
+    references = {v.name: str(v.reference) for v in model.variables}
+    for v in model.variables:
+        if v.causality == "output":
+            known = "" if v.depends is None else f' dependencies="{" ".join(references[n] for n in v.depends)}"'
+            outputs.append(f'<Output valueReference="{v.reference}"{known}/>')
+    event_mode = "true" if model.has_event_mode else "false"
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="{model.source}" instantiationToken="test" generationTool="cosim tests">
+  <CoSimulation modelIdentifier="{model.source}" canHandleVariableCommunicationStepSize="true"
+    hasEventMode="{event_mode}"/>
+  <UnitDefinitions>{_units(model)}</UnitDefinitions>
+  <TypeDefinitions>{types}</TypeDefinitions>
+  <ModelVariables><Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+  {"".join(lines)}</ModelVariables>
+  <ModelStructure>{"".join(outputs)}</ModelStructure>
+</fmiModelDescription>"""
+
+
+def _description2(model: Model) -> str:
+    types = f'<SimpleType name="Choice"><Enumeration>{_items(model)}</Enumeration></SimpleType>'
+    lines = []
+    for v in model.variables:
+        kind = _FMI2_TYPES.get(v.type, v.type)
+        declared = 'declaredType="Choice" ' if v.type == "Enumeration" else ""
+        outer = _attributes(v, "name", "causality", "variability")
+        value = f"<{kind} {declared}{_attributes(v, 'start', 'unit')}/>"
+        lines.append(f'<ScalarVariable valueReference="{v.reference}" {outer}>{value}</ScalarVariable>')
+    outputs = []
+    positions = {v.name: str(i) for i, v in enumerate(model.variables, 1)}
+    for v in model.variables:
+        if v.causality == "output":
+            known = "" if v.depends is None else f' dependencies="{" ".join(positions[n] for n in v.depends)}"'
+            outputs.append(f'<Unknown index="{positions[v.name]}"{known}/>')
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="{model.source}" guid="test" generationTool="cosim tests">
+  <CoSimulation modelIdentifier="{model.source}" canHandleVariableCommunicationStepSize="true"/>
+  <UnitDefinitions>{_units(model)}</UnitDefinitions>
+  <TypeDefinitions>{types if model.literals else ""}</TypeDefinitions>
+  <ModelVariables>{"".join(lines)}</ModelVariables>
+  <ModelStructure><Outputs>{"".join(outputs)}</Outputs></ModelStructure>
+</fmiModelDescription>"""

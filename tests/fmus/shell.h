@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT-0
+ *
+ * The FMI 2.0 and 3.0 interface of the test FMUs, around four functions of the model.
+ *
+ * A value reference is an index into v; whatever a variable's type, its value is kept as double.
+ */
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define OK 0
+#define DISCARD 2
+#define ERROR 3
+#define ROOM 32
+
+typedef struct {
+    double v[ROOM];
+    double time;
+    double next_event; /* infinite: none */
+    bool terminate;
+    bool event_mode_used;
+    void *environment;
+    void *logger;
+} Model;
+
+/* Start values. */
+static void start(Model *m);
+/* Event at m->time, which may be no event of its own: status. */
+static int event(Model *m);
+/* From m->time over h [s]: status. */
+static int step(Model *m, double h);
+/* Outputs that depend on the present inputs. */
+static void outputs(Model *m);
+/* Pass a message to the importer. */
+static void say(Model *m, const char *text);
+
+#if FMI == 2
+#include "fmi2Functions.h"
+
+static void say(Model *m, const char *text) {
+    ((fmi2CallbackLogger)m->logger)(m->environment, "test", fmi2Error, "logStatusError", "%s at %g s", text, m->time);
+}
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
+    Model *m = calloc(1, sizeof *m);
+    m->logger = (void *)functions->logger;
+    m->environment = functions->componentEnvironment;
+    m->next_event = INFINITY;
+    start(m);
+    return m;
+}
+void fmi2FreeInstance(fmi2Component c) { free(c); }
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fmi2Real t0, fmi2Boolean sd, fmi2Real s) {
+    return fmi2OK;
+}
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2Terminate(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2Reset(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
+    return fmi2OK;
+}
+const char *fmi2GetTypesPlatform(void) { return "default"; }
+const char *fmi2GetVersion(void) { return "2.0"; }
+
+#define ACCESS(Type, type)                                                                                          \
+    fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference vr[], size_t n, type value[]) {             \
+        outputs(c);                                                                                                 \
+        for (size_t i = 0; i < n; i++) value[i] = (type)((Model *)c)->v[vr[i]];                                     \
+        return fmi2OK;                                                                                              \
+    }                                                                                                               \
+    fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference vr[], size_t n, const type value[]) {       \
+        for (size_t i = 0; i < n; i++) ((Model *)c)->v[vr[i]] = (double)value[i];                                   \
+        return fmi2OK;                                                                                              \
+    }
+ACCESS(Real, fmi2Real)
+ACCESS(Integer, fmi2Integer)
+ACCESS(Boolean, fmi2Boolean)
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean final) {
+    Model *m = c;
+    m->time = t;
+    const int status = step(m, h);
+    if (status == OK) m->time = t + h;
+    return m->terminate ? fmi2Discard : (fmi2Status)status;
+}
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+    *value = ((Model *)c)->terminate;
+    return fmi2OK;
+}
+
+#else
+#include "fmi3Functions.h"
+
+static void say(Model *m, const char *text) {
+    char message[200];
+    snprintf(message, sizeof message, "%s at %g s", text, m->time);
+    ((fmi3LogMessageCallback)m->logger)(m->environment, fmi3Error, "logStatusError", message);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
+                                         fmi3Boolean logging, fmi3Boolean event_mode_used, fmi3Boolean early,
+                                         const fmi3ValueReference needed[], size_t n_needed,
+                                         fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger,
+                                         fmi3IntermediateUpdateCallback update) {
+    Model *m = calloc(1, sizeof *m);
+    m->event_mode_used = event_mode_used;
+    m->environment = environment;
+    m->logger = (void *)logger;
+    m->next_event = INFINITY;
+    start(m);
+    return m;
+}
+void fmi3FreeInstance(fmi3Instance c) { free(c); }
+const char *fmi3GetVersion(void) { return "3.0"; }
+fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t n, const fmi3String categories[]) {
+    return fmi3OK;
+}
+fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean td, fmi3Float64 tol, fmi3Float64 t0, fmi3Boolean sd,
+                                       fmi3Float64 s) {
+    return fmi3OK;
+}
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return fmi3OK; }
+fmi3Status fmi3EnterEventMode(fmi3Instance c) { return fmi3OK; }
+fmi3Status fmi3EnterStepMode(fmi3Instance c) { return fmi3OK; }
+fmi3Status fmi3Terminate(fmi3Instance c) { return fmi3OK; }
+fmi3Status fmi3Reset(fmi3Instance c) { return fmi3OK; }
+
+#define ACCESS(Type, type)                                                                                          \
+    fmi3Status fmi3Get##Type(fmi3Instance c, const fmi3ValueReference vr[], size_t n, type value[], size_t nv) {   \
+        outputs(c);                                                                                                 \
+        for (size_t i = 0; i < n; i++) value[i] = (type)((Model *)c)->v[vr[i]];                                     \
+        return fmi3OK;                                                                                              \
+    }                                                                                                               \
+    fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const type value[],          \
+                             size_t nv) {                                                                           \
+        for (size_t i = 0; i < n; i++) ((Model *)c)->v[vr[i]] = (double)value[i];                                   \
+        return fmi3OK;                                                                                              \
+    }
+ACCESS(Float64, fmi3Float64)
+ACCESS(Float32, fmi3Float32)
+ACCESS(Int32, fmi3Int32)
+ACCESS(Int64, fmi3Int64)
+ACCESS(UInt64, fmi3UInt64)
+ACCESS(Boolean, fmi3Boolean)
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *needed, fmi3Boolean *terminate, fmi3Boolean *nominals,
+                                    fmi3Boolean *states, fmi3Boolean *defined, fmi3Float64 *next) {
+    Model *m = c;
+    const int status = event(m);
+    *needed = *nominals = *states = false;
+    *terminate = m->terminate;
+    *defined = isfinite(m->next_event);
+    *next = m->next_event;
+    return (fmi3Status)status;
+}
+fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean final, fmi3Boolean *event_needed,
+                      fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *reached) {
+    Model *m = c;
+    m->time = t;
+    const int status = step(m, h);
+    if (status == OK) m->time = *reached = t + h;
+    *event_needed = m->event_mode_used && m->time >= m->next_event - 1e-9;
+    *terminate = m->terminate;
+    *early = false;
+    return (fmi3Status)status;
+}
+#endif
