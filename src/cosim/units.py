@@ -105,7 +105,7 @@ _OFFSETS = {"degC": 273.15, "degF": 459.67 * 5 / 9}
 _SPELLINGS = str.maketrans({"\u03a9": "Ohm", "\u2126": "Ohm", "°": "deg", "·": ".", "⋅": ".", "*": ".", "⁻": "-"})
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 _FACTOR = re.compile(r"([^\W\d]+|%)(?:\^?([+-]?\d{1,2}))?")
-_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(?![\d.,_])\s*(.*)", re.DOTALL)
+_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(?![\d.,_])\s*(.*)", re.DOTALL | re.ASCII)
 
 
 @lru_cache(maxsize=1024)

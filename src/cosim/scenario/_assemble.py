@@ -1,0 +1,197 @@
+"""From a scenario to the engine's system: load the FMUs, connect them, resolve channels and parameters."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from cosim.engine import Channel, Component, Connection, Fmu, System
+from cosim.errors import InputError
+from cosim.scenario._model import Column, Scenario, Setting
+from cosim.scenario._names import End, dotted, find_end, resolve
+from cosim.scenario._values import channel_values, connection_map, parameter_value
+from cosim.units import convert, parse
+
+Locate = Callable[[str], Path]
+"""Takes the name of a built-in plant or controller, gives the path of its FMU; raises `InputError` if unknown."""
+
+_SECOND = parse("s")
+
+
+class ScenarioWarning(UserWarning):
+    """Something in a scenario that has no effect."""
+
+
+def assemble(scenario: Scenario, locate: Locate) -> System:
+    """Build the system that a scenario describes: ``plant``, ``controller`` unless none, connections and channels.
+
+    FMUs are named by their path, relative to the scenario's folder, or by a name for ``locate``. Outputs and inputs of
+    the same name are connected unless a ``map`` line says otherwise. Channels and parameters come out in the FMUs'
+    units. Raises `InputError` with file, line and column for what does not fit the FMUs; warns with `ScenarioWarning`
+    about a ``sample_time`` that nothing uses.
+    """
+    components = [Component("plant", _load(scenario, "system", scenario.system, locate))]
+    if scenario.controller is not None:
+        components.append(Component("controller", _load(scenario, "controller", scenario.controller, locate)))
+    system = System(components)
+    _set_parameters(scenario, components)
+    _set_sample_time(scenario, components)
+    system.connections = _connections(scenario, components)
+    system.channels = _channels(scenario, components, system.connections)
+    try:
+        system.check()
+    except InputError as error:
+        raise _located(error, scenario) from error
+    return system
+
+
+def _located(error: InputError, scenario: Scenario, line: int | None = None, column: int | None = None) -> InputError:
+    """Return the error with its place in the scenario, unless it has a place already."""
+    if error.file is not None:
+        return error
+    return InputError(str(error), file=scenario.path, line=line, column=column)
+
+
+def _load(scenario: Scenario, key: str, name: str, locate: Locate) -> Fmu:
+    line = scenario.key_lines.get(key)
+    kind = Path(name).suffix.lower()
+    if kind in (".ssd", ".ssp"):
+        raise InputError(
+            f"'{name}': this version does not read SSP systems yet; give a built-in name or the path of an .fmu",
+            file=scenario.path,
+            line=line,
+        )
+    try:
+        if kind != ".fmu":
+            return Fmu.read(locate(name))
+        # A path in the file is meant from the file, one in an option from where the user stands.
+        path = (Path() if line is None else scenario.path.parent) / Path(name).expanduser()
+        if not path.is_file():
+            raise InputError(f"there is no FMU '{path}'")
+        return Fmu.read(path)
+    except InputError as error:
+        raise _located(error, scenario, line) from error
+
+
+def _set_parameters(scenario: Scenario, components: list[Component]) -> None:
+    lines: dict[End, Setting] = {}
+    for setting in scenario.settings:
+        try:
+            end, variable = resolve(setting.name, components, "parameter")
+            first = lines.get(end)
+            if first is not None and first.line is not None and setting.line is not None:
+                raise InputError(f"'{dotted(end)}' is set a second time, first in line {first.line}")
+            lines[end] = setting
+            value = parameter_value(setting.value, dotted(end), variable)
+        except InputError as error:
+            raise InputError(str(error), file=setting.file, line=setting.line) from error
+        component = next(component for component in components if component.name == end[0])
+        component.parameters[end[1]] = value
+
+
+def _set_sample_time(scenario: Scenario, components: list[Component]) -> None:
+    """Hand the sample time to the controller as ``T_sample``, which must be a multiple of its ``T_compute``."""
+    controller = next((component for component in components if component.name == "controller"), None)
+    sample = controller.fmu.variables.get("T_sample") if controller else None
+    given = "sample_time" in scenario.key_lines
+    line = scenario.key_lines.get("sample_time")
+    if controller is None or sample is None or sample.causality != "parameter":
+        if given:
+            reason = "the controller has no parameter T_sample" if controller else "there is no controller"
+            warnings.warn(f"{scenario.path}: 'sample_time' has no effect, {reason}", ScenarioWarning, stacklevel=3)
+        return
+    if "T_sample" not in controller.parameters:
+        controller.parameters["T_sample"] = convert(scenario.sample_time, _SECOND, parse(sample.unit or "s"))
+    elif given:
+        raise InputError(
+            "'sample_time' and 'controller.T_sample' are both given; keep one of them", file=scenario.path, line=line
+        )
+    compute = controller.fmu.variables.get("T_compute")
+    period = controller.parameters.get("T_compute", compute.start) if compute else None
+    if compute is None or not isinstance(period, float | int) or period <= 0:
+        return
+    compute_time = convert(period, parse(compute.unit or "s"), _SECOND)
+    sample_time = convert(float(controller.parameters["T_sample"]), parse(sample.unit or "s"), _SECOND)
+    ratio = sample_time / compute_time
+    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9 * ratio:
+        raise InputError(
+            f"the sample time {sample_time:g} s is not a multiple of the controller's T_compute, {compute_time:g} s; "
+            "change 'sample_time' or set controller.T_compute",
+            file=scenario.path,
+            line=line,
+        )
+
+
+def _connections(scenario: Scenario, components: list[Component]) -> list[Connection]:
+    connections: list[Connection] = []
+    for link in scenario.links:
+        try:
+            source = find_end(link.source, components, "output")
+            target = find_end(link.target, components, "input")
+            if any(link.target == connection.target for connection in connections):
+                raise InputError(f"'{dotted(link.target)}' is connected a second time; an input has one source")
+            factor, offset = connection_map(dotted(link.source), source, dotted(link.target), target)
+        except InputError as error:
+            raise InputError(str(error), file=scenario.path, line=link.line) from error
+        connections.append(Connection(link.source, link.target, factor, offset))
+    mapped = {connection.target for connection in connections}
+    for source_end, target_end in _same_names(components):
+        if target_end in mapped:
+            continue
+        source = find_end(source_end, components, "output")
+        target = find_end(target_end, components, "input")
+        try:
+            factor, offset = connection_map(dotted(source_end), source, dotted(target_end), target)
+        except InputError as error:
+            raise InputError(f"{error}; connect it otherwise with a 'map' line", file=scenario.path) from error
+        connections.append(Connection(source_end, target_end, factor, offset))
+    if len(components) > 1 and not connections:
+        plant, controller = components
+        raise InputError(
+            "nothing connects plant and controller, no output has the name of an input; "
+            f"plant has {_listed(plant)}, controller has {_listed(controller)}; add '# map: ...' lines",
+            file=scenario.path,
+            line=scenario.key_lines.get("controller"),
+        )
+    return connections
+
+
+def _same_names(components: list[Component]) -> Iterable[tuple[End, End]]:
+    """Pairs of an output and another component's input that have the same name."""
+    for target in components:
+        for source in components:
+            for name, variable in target.fmu.variables.items():
+                other = source.fmu.variables.get(name)
+                if source is not target and variable.causality == "input" and other and other.causality == "output":
+                    yield (source.name, name), (target.name, name)
+
+
+def _listed(component: Component) -> str:
+    """Return a component's outputs and inputs as a user reads them."""
+    names = [
+        f"{causality}s {', '.join(v.name for v in component.fmu.variables.values() if v.causality == causality) or '-'}"
+        for causality in ("output", "input")
+    ]
+    return " and ".join(names)
+
+
+def _channels(scenario: Scenario, components: list[Component], connections: list[Connection]) -> list[Channel]:
+    driven: dict[End, str] = {connection.target: f"by {dotted(connection.source)}" for connection in connections}
+    channels: list[Channel] = []
+    for column in scenario.columns:
+        try:
+            channels.append(_channel(scenario, column, components, driven))
+        except InputError as error:
+            raise _located(error, scenario, column.line, column.position) from error
+        driven[channels[-1].target] = f"in column {column.position}"
+    return channels
+
+
+def _channel(scenario: Scenario, column: Column, components: list[Component], driven: dict[End, str]) -> Channel:
+    end, variable = resolve(column.name, components, "input")
+    if end in driven:
+        remedy = "remove the column" if scenario.controller is None else "remove the column or the controller"
+        raise InputError(f"column '{column.name}': '{dotted(end)}' is driven already {driven[end]}; {remedy}")
+    values = channel_values(scenario.path, column, dotted(end), variable)
+    return Channel(end, list(column.times), values, column.linear)

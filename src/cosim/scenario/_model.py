@@ -1,0 +1,76 @@
+"""What a scenario file says, with the places at which it says it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+
+from cosim.units import Unit
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A start value for a parameter: ``set: plant.ext_load = 4 N.m``. ``file`` is ``--set`` for an option."""
+
+    name: str
+    value: str
+    file: Path | str
+    line: int | None = None
+
+
+@dataclass(frozen=True)
+class Link:
+    """A connection by hand: ``map: plant.tau_crank -> controller.torque``; both as (component, variable)."""
+
+    source: tuple[str, str]
+    target: tuple[str, str]
+    line: int | None
+
+
+@dataclass(frozen=True)
+class Column:
+    """A channel of the table, in its own unit (``None``: the header gives none).
+
+    ``times`` [s], ``values`` and ``lines`` (of the file) have one entry per cell that is not empty. A step is two
+    entries with one time. ``position`` is the cell's number in a row, from 1.
+    """
+
+    name: str
+    unit: Unit | None
+    position: int
+    line: int
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+    lines: tuple[int, ...]
+    linear: bool = False
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A scenario as read: times in s, names not yet resolved. ``key_lines`` tells where a key was written."""
+
+    path: Path
+    title: str
+    system: str
+    controller: str | None
+    stop: float
+    sample_time: float
+    output_interval: float
+    tolerance: float
+    settings: tuple[Setting, ...] = ()
+    links: tuple[Link, ...] = ()
+    columns: tuple[Column, ...] = ()
+    key_lines: dict[str, int | None] = field(default_factory=dict)
+
+
+def suggestion(name: str, known: Sequence[str]) -> str:
+    """Return `, did you mean 'x'?` for a near miss, else an empty text.
+
+    A name without its component counts as near: ``ext_lod`` finds ``plant.ext_load``.
+    """
+    lowered = {candidate.lower(): candidate for candidate in known}
+    lowered |= {candidate.rpartition(".")[2].lower(): candidate for candidate in known if "." not in name}
+    near = get_close_matches(name.lower(), list(lowered), n=1, cutoff=0.6)
+    return f", did you mean '{lowered[near[0]]}'?" if near else ""

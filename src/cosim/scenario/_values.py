@@ -1,0 +1,122 @@
+"""Values of a scenario in the units and types of the FMUs' variables."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+from cosim.engine import Variable
+from cosim.errors import InputError
+from cosim.scenario._model import Column, suggestion
+from cosim.units import Unit, compatible, convert, linear_map, parse, quantity
+
+_BOOLEANS = {"0": False, "1": True, "false": False, "true": True}
+
+
+def parameter_value(text: str, name: str, variable: Variable) -> float | int | bool | str:
+    """Read the value of a ``set`` line for a parameter, in the FMU's unit. Raises `InputError` if it does not fit."""
+    match variable.type:
+        case "String":
+            return text
+        case "Boolean":
+            if text.lower() not in _BOOLEANS:
+                raise InputError(f"'{name}' is a Boolean, '{text}' is not; write 0 or 1")
+            return _BOOLEANS[text.lower()]
+        case "Enumeration":
+            return _literal(text, name, variable)
+        case "Integer":
+            if not re.fullmatch(r"[+-]?\d{1,18}", text, re.ASCII):
+                raise InputError(f"'{name}' is an Integer, '{text}' is not; write a whole number")
+            return int(text)
+    try:
+        value, unit = quantity(text)
+    except InputError as error:
+        raise InputError(f"'{name}': {error}") from None
+    remedy = f"write for example {value:g} {variable.unit}"
+    converted = _to_variable(value, unit, name, variable, found=f"'{text}' is in {unit}", remedy=remedy)
+    if not math.isfinite(converted):
+        raise InputError(f"'{name}': '{text}' is too large a number")
+    return converted
+
+
+def channel_values(path: Path, column: Column, name: str, variable: Variable) -> list[float]:
+    """Return a column's values in the input's unit. Raises `InputError` for a unit or a value that does not fit."""
+    header = f"column '{column.name}'"
+    if variable.type == "Real":
+        unit = column.unit or parse("1")
+        found = f"{header} is in {unit}" if column.unit else f"{header} has no unit"
+        remedy = f"write '{column.name} [{variable.unit}]'"
+        values = [_to_variable(value, unit, name, variable, found=found, remedy=remedy) for value in column.values]
+        accepted = "a finite number"
+    else:
+        if variable.type == "String":
+            raise InputError(f"{header}: '{name}' is a String; a column drives numbers only")
+        if column.unit is not None and (column.unit.exponents or column.unit.factor != 1):
+            raise InputError(f"{header} is in {column.unit}, '{name}' is {variable.type}; write '{column.name} [1]'")
+        if column.linear:
+            raise InputError(f"{header} cannot be linear: '{name}' is {variable.type}; take it out of 'linear'")
+        values = list(column.values)
+        accepted = _accepted(variable)
+    for value, line in zip(values, column.lines, strict=True):
+        if not _fits(value, variable):
+            raise InputError(
+                f"{value:g} in {header}: '{name}' takes {accepted}", file=path, line=line, column=column.position
+            )
+    return values
+
+
+def connection_map(source_name: str, source: Variable, target_name: str, target: Variable) -> tuple[float, float]:
+    """Factor and offset from an output to an input; (1, 0) where a unit is not given or both are the same text."""
+    if source.unit == target.unit or source.unit is None or target.unit is None:
+        return 1.0, 0.0
+    try:
+        return linear_map(parse(source.unit), parse(target.unit))
+    except InputError as error:
+        raise InputError(
+            f"{source_name} [{source.unit}] cannot drive {target_name} [{target.unit}]: {error}"
+        ) from error
+
+
+def _to_variable(value: float, unit: Unit, name: str, variable: Variable, *, found: str, remedy: str) -> float:
+    if variable.unit is None:
+        if unit.factor != 1 or unit.offset:
+            raise InputError(f"{found}, but the FMU gives no unit for '{name}'; write the value in SI units")
+        return value
+    target = parse(variable.unit)
+    if not compatible(unit, target):
+        raise InputError(f"{found}, '{name}' is in {variable.unit}; {remedy}")
+    return convert(value, unit, target)
+
+
+def _literal(text: str, name: str, variable: Variable) -> int:
+    literals = variable.literals or ()
+    if text in literals:
+        return literals.index(text) + 1
+    if re.fullmatch(r"[+-]?\d{1,9}", text, re.ASCII) and _fits(int(text), variable):
+        return int(text)
+    raise InputError(
+        f"'{name}' has no value '{text}'{suggestion(text, literals)}; it takes {_accepted(variable)}"
+        + (f" or one of {', '.join(literals)}" if literals else "")
+    )
+
+
+def _fits(value: float, variable: Variable) -> bool:
+    if not math.isfinite(value):
+        return False
+    match variable.type:
+        case "Boolean":
+            return value in (0, 1)
+        case "Enumeration" if variable.literals:
+            return value in range(1, len(variable.literals) + 1)
+        case "Integer" | "Enumeration":
+            return value == int(value)
+    return True
+
+
+def _accepted(variable: Variable) -> str:
+    if variable.type == "Boolean":
+        return "0 and 1"
+    if variable.literals:
+        return f"whole numbers from 1 to {len(variable.literals)}"
+    return "whole numbers"
