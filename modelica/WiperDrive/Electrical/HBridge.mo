@@ -2,6 +2,7 @@ within WiperDrive.Electrical;
 model HBridge "Averaged H-bridge in one-quadrant mode with ideal freewheel diode"
   input Types.Ratio duty "Duty ratio, 0..1";
   input Types.Voltage v_supply "Supply voltage";
+  constant Types.Inductance L_1 = 1 "Gives both branches of the bridge's law the same unit";
   Interfaces.Pin p "Output to the load";
   Interfaces.Pin n "Return from the load";
   Types.Voltage v "Voltage across the load";
@@ -16,7 +17,7 @@ equation
   // While current flows, the average output is the switched share of the supply: the polarity is fixed and the
   // freewheel diode carries the current in the off time. While the diode blocks, the current stays zero and the
   // load sets the voltage. Both branches bind the current's derivative, so the structure is the same in both modes.
-  0 = if blocking then der(i) else v - duty*v_supply;
+  0 = if blocking then L_1*der(i) else v - duty*v_supply;
   blocking = if pre(blocking) then v >= duty*v_supply else i < 0;
   // The event is found a little after the current has crossed zero.
   when blocking then

@@ -4,13 +4,6 @@ model ClosedLoop "Linkage plant and voltage profile in one model: the reference 
   input Types.Torque tau_disturbance(start=0)
     "Torque of the surroundings on the gear's output shaft, positive in the direction of rotation";
   input Boolean enable(start=true) "True while the wiper is to run";
-  LinkagePlant plant "Plant";
-  Controllers.VoltageProfile controller "Controller";
-equation
-  plant.v_supply = v_supply;
-  plant.tau_disturbance = tau_disturbance;
-  plant.duty = controller.duty;
-  controller.i_motor = plant.i_motor;
-  controller.park = plant.park;
-  controller.enable = enable;
+  LinkagePlant plant(duty=controller.duty, v_supply=v_supply, tau_disturbance=tau_disturbance) "Plant";
+  Controllers.VoltageProfile controller(i_motor=plant.i_motor, park=plant.park, enable=enable) "Controller";
 end ClosedLoop;

@@ -17,11 +17,11 @@ partial model Drive "Bridge, motor, worm gear and park sensor: what the plants h
     "Speed of the gear's output shaft";
   output Types.AngularVelocity w_motor "Speed of the rotor";
   output Types.Torque tau_crank "Torque that the gear delivers to its output shaft";
-  Electrical.HBridge bridge "Averaged bridge";
+  Electrical.HBridge bridge(duty=duty, v_supply=v_supply) "Averaged bridge";
   Electrical.Ground ground "Chassis";
   Electrical.Motor motor(J=J_rotor, k=k_emf) "Motor";
   Rotational.WormGear gear "Worm gear";
-  Rotational.TorqueSource disturbance "Torque of the surroundings";
+  Rotational.TorqueSource disturbance(tau=tau_disturbance) "Torque of the surroundings";
   Rotational.ParkSensor sensor(width=park_width) "Park contact";
   Types.Power P_supply "Power taken from the supply";
   Types.Power P_copper "Power turned into heat in the armature";
@@ -30,9 +30,6 @@ partial model Drive "Bridge, motor, worm gear and park sensor: what the plants h
   Types.Power P_disturbance "Power given to the output shaft by the surroundings";
   Types.Energy E_magnetic "Energy of the magnetic fields";
 equation
-  bridge.duty = duty;
-  bridge.v_supply = v_supply;
-  disturbance.tau = tau_disturbance;
   connect(bridge.p, motor.p);
   connect(bridge.n, motor.n);
   connect(bridge.n, ground.p);

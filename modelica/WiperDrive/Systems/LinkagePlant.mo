@@ -17,8 +17,8 @@ model LinkagePlant "Wiper drive with the two four-bar linkages and the load of e
   Planar.DualFourBar linkage(d=d_joint, c=c_joint, gy=gy) "Linkage";
   Rotational.Inertia arm_ds(J=J_arm) "Wiper arm of the driver side";
   Rotational.Inertia arm_ps(J=J_arm) "Wiper arm of the passenger side";
-  Loads.WiperLoad load_ds(ext_load=ext_load) "Load of the driver side";
-  Loads.WiperLoad load_ps(ext_load=ext_load) "Load of the passenger side";
+  Loads.WiperLoad load_ds(ext_load=ext_load, phi_crank=phi_crank) "Load of the driver side";
+  Loads.WiperLoad load_ps(ext_load=ext_load, phi_crank=phi_crank) "Load of the passenger side";
   Types.Power P_joints "Power turned into heat in the joints";
   Types.Power P_load "Power taken by the load";
   Types.Energy E_kinetic "Kinetic energy";
@@ -29,8 +29,6 @@ equation
   connect(linkage.shaft_ps, arm_ps.flange_a);
   connect(arm_ds.flange_b, load_ds.flange);
   connect(arm_ps.flange_b, load_ps.flange);
-  load_ds.phi_crank = phi_crank;
-  load_ps.phi_crank = phi_crank;
   phi_ds = linkage.ds.rocker.phi;
   w_ds = linkage.ds.rocker.w;
   tau_ds = load_ds.tau;

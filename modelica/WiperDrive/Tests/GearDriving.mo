@@ -1,15 +1,13 @@
 within WiperDrive.Tests;
 model GearDriving "A torque on the worm turns a damper on the gear: 74 % of the power arrives"
-  Rotational.TorqueSource worm_torque "Torque on the worm";
+  Rotational.TorqueSource worm_torque(tau=0.1) "Torque on the worm";
   Rotational.Inertia worm(J=1e-4) "Inertia of the worm";
   Rotational.Damper worm_damper(d=1e-9) "Damper on the worm";
   Rotational.WormGear gear "Gear";
   Rotational.Inertia wheel(J=0.01, phi(start=0, fixed=true), w(start=0, fixed=true)) "Inertia of the gear";
   Rotational.Damper wheel_damper(d=1) "Damper on the gear";
-  Rotational.TorqueSource wheel_torque "Torque on the gear";
+  Rotational.TorqueSource wheel_torque(tau=0) "Torque on the gear";
 equation
-  worm_torque.tau = 0.1;
-  wheel_torque.tau = 0;
   connect(worm_torque.flange, worm.flange_a);
   connect(worm.flange_a, worm_damper.flange);
   connect(worm.flange_b, gear.flange_a);

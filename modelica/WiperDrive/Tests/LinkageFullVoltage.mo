@@ -1,8 +1,4 @@
 within WiperDrive.Tests;
 model LinkageFullVoltage "The linkage plant at full voltage, without controller"
-  Systems.LinkagePlant plant "Plant";
-equation
-  plant.duty = 1;
-  plant.v_supply = 28;
-  plant.tau_disturbance = 0;
+  Systems.LinkagePlant plant(duty=1, v_supply=28, tau_disturbance=0) "Plant";
 end LinkageFullVoltage;

@@ -1,6 +1,6 @@
 within WiperDrive.Tests;
 model MotorStart "The motor alone at full voltage against the closed form of its two linear equations"
-  Electrical.HBridge bridge "Bridge";
+  Electrical.HBridge bridge(duty=1, v_supply=V) "Bridge";
   Electrical.Ground ground "Chassis";
   Electrical.Motor motor(rotor(phi(start=0, fixed=true), w(start=0, fixed=true))) "Motor without gear";
   parameter Types.Voltage V = 28 "Supply voltage [S] 4.2.1";
@@ -15,8 +15,6 @@ model MotorStart "The motor alone at full voltage against the closed form of its
   Types.Current i_error "Simulated minus closed form";
   Types.AngularVelocity w_error "Simulated minus closed form";
 equation
-  bridge.duty = 1;
-  bridge.v_supply = V;
   connect(bridge.p, motor.p);
   connect(bridge.n, motor.n);
   connect(bridge.n, ground.p);

@@ -1,6 +1,9 @@
 within WiperDrive.Tests;
 model RigEnergy "Balance of energy of the rig plant over a start, a soft turn and disturbances"
-  Systems.RigPlant plant "Plant";
+  Systems.RigPlant plant(
+    duty=if time < 1.5 then 1 elseif time < 1.6 then 0.1 else 0.8,
+    v_supply=28,
+    tau_disturbance=if time < 0.5 then 0 elseif time < 0.7 then 5 else -2) "Plant";
   Types.Energy E_in(start=0, fixed=true) "Energy given by the supply and the surroundings";
   Types.Energy E_out(start=0, fixed=true) "Energy turned into heat";
   Types.Energy E_stored "Energy of the motion, the position and the magnetic fields";
@@ -9,9 +12,6 @@ model RigEnergy "Balance of energy of the rig plant over a start, a soft turn an
 initial equation
   E_0 = E_stored;
 equation
-  plant.duty = if time < 1.5 then 1 elseif time < 1.6 then 0.1 else 0.8;
-  plant.v_supply = 28;
-  plant.tau_disturbance = if time < 0.5 then 0 elseif time < 0.7 then 5 else -2;
   der(E_in) = plant.P_supply + plant.P_disturbance;
   der(E_out) = plant.P_copper + plant.P_rotor + plant.P_gear;
   E_stored = plant.E_kinetic + plant.E_potential + plant.E_magnetic;
