@@ -30,10 +30,23 @@ typedef enum {
     STORE_PARAMETER,  /* p[index] */
     STORE_DISCRETE,   /* d[index] */
     STORE_OUTPUT,     /* model_outputs, y[index] */
-    STORE_LOCAL       /* model_locals, l[index] */
+    STORE_LOCAL,      /* model_locals, l[index] */
+    STORE_COUNTER     /* what the solver has done so far: a ModelCounter, read as UInt64 */
 } ModelStore;
 
-typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_ENUMERATION } ModelType;
+/* FMI types, in this order: Float64, Int32, Boolean, Int64, UInt64 (for STORE_COUNTER only). */
+typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_ENUMERATION, TYPE_COUNTER } ModelType;
+
+/* Indices of STORE_COUNTER. */
+typedef enum {
+    COUNTER_STEPS,      /* accepted steps */
+    COUNTER_REJECTED,   /* rejected steps */
+    COUNTER_RHS,        /* calls of model_rhs */
+    COUNTER_JACOBIANS,  /* calls of model_jacobian */
+    COUNTER_STATE_EVENTS,
+    COUNTER_TIME_EVENTS, /* instants at which a sample clock ticked */
+    COUNTERS             /* how many there are */
+} ModelCounter;
 
 /* When an importer may set a variable. */
 typedef enum {

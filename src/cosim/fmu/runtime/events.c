@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT-0
+ *
+ * What happens at one instant: initial equations, algebraic equations, relations, discrete equations, clocks.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "hybrid.h"
+
+enum {
+    MAX_PASSES = 100,       /* of an event iteration */
+    SIMULTANEOUS_PASSES = 10 /* after so many, relations change one at a time: Murty's rule against cycling */
+};
+
+typedef struct {
+    Simulation *m;
+    double t;
+    double *v;
+} AlgebraicSystem;
+
+static void algebraic_system(void *context, const double *z, double *r, double *J)
+{
+    AlgebraicSystem *a = context;
+    State *s = &a->m->s;
+    double v[MODEL_ROOM(MODEL_NV)], f[MODEL_ROOM(MODEL_NV)];
+    memcpy(v, a->v, MODEL_NX * sizeof *v);
+    memcpy(v + MODEL_NX, z, MODEL_NZ * sizeof *v);
+    model_rhs(a->t, v, s->u, s->p, s->d, s->c, f);
+    memcpy(r, f + MODEL_NX, MODEL_NZ * sizeof *r);
+    s->counters[COUNTER_RHS]++;
+    if (!J) return;
+    double *whole = a->m->rodas.LU; /* free between two steps */
+    model_jacobian(a->t, v, s->u, s->p, s->d, s->c, whole);
+    for (int j = 0; j < MODEL_NZ; j++)
+        memcpy(J + j * MODEL_NZ, whole + (MODEL_NX + j) * MODEL_NV + MODEL_NX, MODEL_NZ * sizeof *J);
+    s->counters[COUNTER_JACOBIANS]++;
+}
+
+int simulation_solve_algebraic(Simulation *m, double t, double *v)
+{
+    if (MODEL_NZ == 0) return 1;
+    AlgebraicSystem system = {m, t, v};
+    double z[MODEL_ROOM(MODEL_NZ)];
+    memcpy(z, v + MODEL_NX, MODEL_NZ * sizeof *z);
+    NewtonOutcome outcome =
+        newton_solve(&m->newton, MODEL_NZ, algebraic_system, &system, model_nominal + MODEL_NX, z);
+    if (outcome != NEWTON_SOLVED)
+        return simulation_fail(m, "At t = %.9g s the algebraic equations %s; the unknown concerned is %s.", t,
+                               outcome == NEWTON_SINGULAR ? "are singular" : "cannot be solved",
+                               model_unknown_names[MODEL_NX + m->newton.worst]);
+    memcpy(v + MODEL_NX, z, MODEL_NZ * sizeof *z);
+    return 1;
+}
+
+static void initial_system(void *context, const double *v, double *r, double *J)
+{
+    State *s = context;
+    model_initial_residual(s->t, v, s->u, s->p, s->d, s->c, r);
+    if (J) model_initial_jacobian(s->t, v, s->u, s->p, s->d, s->c, J);
+}
+
+static int solve_initial(Simulation *m)
+{
+    Newton *w = &m->newton;
+    NewtonOutcome outcome = newton_solve(w, MODEL_NV, initial_system, &m->s, model_nominal, m->s.v);
+    if (outcome == NEWTON_SOLVED) return 1;
+    char text[700];
+    size_t used = 0;
+    for (int rank = 0; rank < 3 && rank < MODEL_NV; rank++) {
+        int worst = -1;
+        for (int i = 0; i < MODEL_NV; i++)
+            if (w->r[i] != 0.0 && (worst < 0 || isnan(w->r[i]) || fabs(w->r[i]) > fabs(w->r[worst]))) worst = i;
+        if (worst < 0 || used >= sizeof text) break;
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s (residual %.3g)", rank ? "; " : "",
+                                 model_initial_texts[worst], w->r[worst]);
+        w->r[worst] = 0.0;
+    }
+    return simulation_fail(m, "The initial equations %s at %s. The equations farthest from their solution: %s.",
+                           outcome == NEWTON_SINGULAR ? "are singular" : "cannot be solved",
+                           model_unknown_names[w->worst], used ? text : "none");
+}
+
+int simulation_truth(const Simulation *m, int k, double g)
+{
+    if (isnan(g)) return m->s.c[k] != 0.0;
+    return model_relation_strict[k] ? g > 0.0 : g >= 0.0;
+}
+
+void simulation_relations(const Simulation *m, double t, const double *v, double *g)
+{
+    const State *s = &m->s;
+    if (MODEL_NG > 0) model_indicators(t, v, s->u, s->p, s->d, s->c, g);
+}
+
+const char *simulation_changing_relations(const Simulation *m, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (int k = 0; k < MODEL_NG && used < size; k++)
+        if (m->changing[k])
+            used += (size_t)snprintf(text + used, size - used, "%s'%s'", used ? ", " : "", model_relation_texts[k]);
+    return text;
+}
+
+/* Bring c up to date; returns how many relations changed. */
+static int update_relations(Simulation *m, int one_at_a_time)
+{
+    State *s = &m->s;
+    double g[MODEL_ROOM(MODEL_NG)];
+    int changes = 0;
+    simulation_relations(m, s->t, s->v, g);
+    for (int k = 0; k < MODEL_NG; k++) {
+        int truth = simulation_truth(m, k, g[k]);
+        m->changing[k] = truth != (s->c[k] != 0.0) && !(one_at_a_time && changes);
+        if (m->changing[k]) {
+            s->c[k] = truth;
+            changes++;
+        }
+    }
+    return changes;
+}
+
+/* Find v, d, c that satisfy all equations for the given pre and fired. */
+static int settle(Simulation *m, const double *pre, const double *fired, int initial, double *x_new)
+{
+    State *s = &m->s;
+    double d_new[MODEL_ROOM(MODEL_ND)];
+    int terminate = 0;
+    for (int pass = 0; pass < MAX_PASSES; pass++) {
+        if (!(initial ? solve_initial(m) : simulation_solve_algebraic(m, s->t, s->v))) return 0;
+        int changes = update_relations(m, pass >= SIMULTANEOUS_PASSES);
+        memcpy(d_new, s->d, sizeof d_new);
+        memcpy(x_new, s->v, MODEL_NX * sizeof *x_new);
+        if (MODEL_ND > 0 || MODEL_NX > 0 || MODEL_NG > 0)
+            terminate = model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, initial, d_new, x_new);
+        for (int i = 0; i < MODEL_ND; i++) {
+            if (s->d[i] != d_new[i]) changes++;
+            s->d[i] = d_new[i];
+        }
+        if (!changes) {
+            s->terminate |= terminate != 0;
+            return 1;
+        }
+    }
+    char text[512];
+    simulation_changing_relations(m, text, sizeof text);
+    return simulation_fail(m, "At t = %.9g s the event iteration finds no consistent state: %s%s keep changing.", s->t,
+                           text[0] ? "the relations " : "the discrete variables", text);
+}
+
+/* Events until nothing follows from the last one; fired is used up. */
+static int iterate(Simulation *m, double *fired, int *discontinuous, int *reinitialised)
+{
+    State *s = &m->s;
+    double pre[MODEL_ROOM(MODEL_ND)], x_new[MODEL_ROOM(MODEL_NX)];
+    for (int pass = 0; pass < MAX_PASSES; pass++) {
+        int again = 0;
+        memcpy(pre, s->d, sizeof pre);
+        if (!settle(m, pre, fired, 0, x_new)) return 0;
+        for (int i = 0; i < MODEL_NX; i++)
+            if (x_new[i] != s->v[i]) {
+                s->v[i] = x_new[i];
+                again = *reinitialised = 1;
+            }
+        for (int i = 0; i < MODEL_ND; i++)
+            if (pre[i] != s->d[i]) again = *discontinuous = 1;
+        for (int k = 0; k < MODEL_NS; k++) fired[k] = 0.0;
+        if (!again) return 1;
+    }
+    char text[512];
+    simulation_changing_relations(m, text, sizeof text);
+    return simulation_fail(m,
+                           "At t = %.9g s one event causes the next without end%s%s. Check for reinit() and for "
+                           "discrete variables that depend on their own pre() without a condition.",
+                           s->t, text[0] ? "; the relations that changed last: " : "", text);
+}
+
+double simulation_next_tick(const Simulation *m)
+{
+    const State *s = &m->s;
+    double next = INFINITY;
+    for (int k = 0; k < MODEL_NS; k++)
+        next = fmin(next, s->clock_start[k] + (double)s->tick[k] * s->clock_interval[k]);
+    return next;
+}
+
+int simulation_tick_is_due(const Simulation *m)
+{
+    return simulation_next_tick(m) <= m->s.t + SAME_INSTANT;
+}
+
+static int take_ticks(State *s, double *fired)
+{
+    int ticks = 0;
+    for (int k = 0; k < MODEL_NS; k++) {
+        fired[k] = s->clock_start[k] + (double)s->tick[k] * s->clock_interval[k] <= s->t + SAME_INSTANT;
+        if (fired[k] != 0.0) {
+            s->tick[k]++;
+            ticks++;
+        }
+    }
+    return ticks;
+}
+
+/* After reinit() the old step size may be far too large; after anything else a rejection finds out cheaply. */
+static void restart(Simulation *m, int reinitialised)
+{
+    State *s = &m->s;
+    control_restart(&s->control);
+    if (!reinitialised || !(s->control.h > 0.0)) return;
+    model_rhs(s->t, s->v, s->u, s->p, s->d, s->c, m->rodas.f);
+    memcpy(m->rodas.v, s->v, sizeof s->v);
+    s->counters[COUNTER_RHS]++;
+    s->control.h = fmin(s->control.h, rodas_first_step(&m->rodas, s->tolerance));
+}
+
+int simulation_event(Simulation *m, int *reinitialised)
+{
+    State *s = &m->s;
+    double fired[MODEL_ROOM(MODEL_NS)] = {0};
+    int discontinuous = 0, reinit = 0;
+    if (take_ticks(s, fired)) s->counters[COUNTER_TIME_EVENTS]++;
+    m->have = 0;
+    if (!iterate(m, fired, &discontinuous, &reinit)) return 0;
+    s->event_due = 0;
+    restart(m, reinit);
+    if (reinitialised) *reinitialised = reinit;
+    return simulation_check_assertions(m);
+}
+
+static int start_clocks(Simulation *m)
+{
+    State *s = &m->s;
+    if (MODEL_NS > 0) model_clocks(s->p, s->clock_start, s->clock_interval);
+    for (int k = 0; k < MODEL_NS; k++) {
+        double start = s->clock_start[k], interval = s->clock_interval[k];
+        if (!isfinite(start) || !(interval > SAME_INSTANT) || !isfinite(interval))
+            return simulation_fail(m, "Sample clock %d starts at %g s with the interval %g s, which must be positive.",
+                                   k + 1, start, interval);
+        double first = ceil((s->t - SAME_INSTANT - start) / interval);
+        s->tick[k] = first > 0.0 ? (int64_t)first : 0;
+    }
+    return 1;
+}
+
+int simulation_initialise(Simulation *m)
+{
+    State *s = &m->s;
+    double pre[MODEL_ROOM(MODEL_ND)], x_new[MODEL_ROOM(MODEL_NX)], fired[MODEL_ROOM(MODEL_NS)] = {0};
+    int ignored = 0;
+    m->have = 0;
+    s->terminate = 0;
+    s->burst_start = s->t;
+    if (!start_clocks(m)) return 0;
+    model_start(s->p, s->v, s->d);
+    memcpy(pre, s->d, sizeof pre);
+    update_relations(m, 0);
+    if (!settle(m, pre, fired, 1, x_new)) return 0;
+    memcpy(s->v, x_new, MODEL_NX * sizeof *x_new);
+    if (!iterate(m, fired, &ignored, &ignored) || !simulation_check_assertions(m)) return 0;
+    s->initialised = 1;
+    s->event_due = 0;
+    return 1;
+}

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: MIT-0
+ *
+ * The way from one instant to another: integration, what stops it, and the values an importer sees.
+ */
+#include "hybrid.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A model that changes direction faster than this many times in this many seconds is chattering. */
+enum { BURST_EVENTS = 1000 };
+static const double BURST_DURATION = 1e-5;
+
+int simulation_fail(Simulation *m, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(m->message, sizeof m->message, format, arguments);
+    va_end(arguments);
+    return 0;
+}
+
+static Held held(const State *s)
+{
+    Held h = {s->u, s->p, s->d, s->c};
+    return h;
+}
+
+void simulation_reset(Simulation *m)
+{
+    State *s = &m->s;
+    memset(s, 0, sizeof *s);
+    s->tolerance = 1e-6;
+    s->stop = INFINITY;
+    for (int i = 0; i < MODEL_NU; i++) s->u[i] = model_start_inputs[i];
+    for (int i = 0; i < MODEL_NP; i++) s->p[i] = model_start_parameters[i];
+    model_parameters(s->p);
+    m->have = 0;
+}
+
+void simulation_changed(Simulation *m)
+{
+    model_parameters(m->s.p);
+    m->s.event_due = 1;
+    m->have = 0;
+}
+
+int simulation_check_assertions(Simulation *m)
+{
+    if (MODEL_NA == 0) return 1;
+    State *s = &m->s;
+    int k = model_violated_assertion(s->t, s->v, s->u, s->p, s->d, s->c);
+    if (k < 0 || k >= MODEL_NA) return 1;
+    if (model_assertion_is_error[k])
+        return simulation_fail(m, "At t = %.9g s an assertion of the model is violated: %s", s->t,
+                               model_assertion_messages[k]);
+    if (!s->warned[k] && m->log) {
+        char text[1024];
+        snprintf(text, sizeof text, "At t = %.9g s: %s", s->t, model_assertion_messages[k]);
+        m->log(m->log_context, LOG_WARNING, text);
+    }
+    s->warned[k] = 1;
+    return 1;
+}
+
+static int step_is_too_small(Simulation *m, double h, int not_a_number)
+{
+    const State *s = &m->s;
+    if (h >= 1e-14 * fmax(1.0, fabs(s->t))) return 0;
+    const char *name = model_unknown_names[m->rodas.worst];
+    if (not_a_number)
+        simulation_fail(m,
+                        "At t = %.9g s the equations give no finite number, whatever the step size; the first unknown "
+                        "concerned is %s. Check for a division by zero, the root or logarithm of a negative number, "
+                        "and for inputs and parameters out of range.",
+                        s->t, name);
+    else
+        simulation_fail(m,
+                        "At t = %.9g s the step size had to be reduced to %.2g s without reaching the tolerance %.2g; "
+                        "the largest error is in %s. Try a looser tolerance; check for a solution that grows beyond "
+                        "bounds, a discontinuity hidden in noEvent() or smooth(), and parameters out of range.",
+                        s->t, h, s->tolerance, name);
+    return 1;
+}
+
+/* One accepted step towards `to`, left in m->rodas: s.t and s.v are still those of its beginning. */
+static int take_step(Simulation *m, double to)
+{
+    State *s = &m->s;
+    Held constant = held(s);
+    double rest = to - s->t;
+    m->rodas.t = s->t;
+    if (MODEL_NV == 0) {
+        m->rodas.h = rest;
+        s->counters[COUNTER_STEPS]++;
+        return 1;
+    }
+    rodas_begin(&m->rodas, s->t, s->v, &constant);
+    s->counters[COUNTER_RHS]++;
+    s->counters[COUNTER_JACOBIANS]++;
+    if (!(s->control.h > 0.0)) s->control.h = rodas_first_step(&m->rodas, s->tolerance);
+    for (;;) {
+        double wanted = s->control.h;
+        if (step_is_too_small(m, wanted, 0)) return 0;
+        /* Two steps of equal length rather than a full one and a remainder. */
+        double h = wanted >= rest ? rest : wanted > 0.5 * rest ? 0.5 * rest : wanted;
+        double error = rodas_attempt(&m->rodas, h, s->tolerance, &constant);
+        s->counters[COUNTER_RHS] += 5;
+        if (error <= 1.0) {
+            control_accept(&s->control, h, error);
+            /* A step that was cut short and was far too short for its error says nothing against the longer one. */
+            if (h < wanted && s->control.h >= CONTROL_MOST_GROWTH * h) s->control.h = fmax(s->control.h, wanted);
+            s->counters[COUNTER_STEPS]++;
+            return 1;
+        }
+        control_reject(&s->control, h, error);
+        s->counters[COUNTER_REJECTED]++;
+        if (step_is_too_small(m, s->control.h, !isfinite(error))) return 0;
+    }
+}
+
+/* The state event at s.t is known: refuse to follow a burst of them. */
+static int count_state_event(Simulation *m)
+{
+    State *s = &m->s;
+    s->counters[COUNTER_STATE_EVENTS]++;
+    if (s->t - s->burst_start > BURST_DURATION) {
+        s->burst_start = s->t;
+        s->burst_events = 0;
+    }
+    if (++s->burst_events <= BURST_EVENTS) return 1;
+    char text[512];
+    return simulation_fail(m,
+                           "At t = %.9g s the model chatters: %d state events within %.2g s, the last one in the "
+                           "relation %s. Smooth the discontinuity or give it a hysteresis.",
+                           s->t, (int)BURST_EVENTS, BURST_DURATION,
+                           simulation_changing_relations(m, text, sizeof text));
+}
+
+static void move_to(Simulation *m, double theta, double to)
+{
+    State *s = &m->s;
+    const Rodas *r = &m->rodas;
+    /* The end of a step that was cut to reach `to` is `to`, whatever the sum says. */
+    double end = r->h >= to - r->t ? to : r->t + r->h;
+    s->t = theta < 1.0 ? fmin(r->t + theta * r->h, end) : end;
+    rodas_dense(r, theta, s->v);
+    m->have = 0;
+}
+
+Advance simulation_advance(Simulation *m, double to, int stop_at_events)
+{
+    State *s = &m->s;
+    if (s->event_due && !simulation_event(m, NULL)) return ADVANCE_FAILED;
+    while (s->t < to) {
+        if (s->terminate) return ADVANCE_TERMINATED;
+        if (!take_step(m, to)) return ADVANCE_FAILED;
+        double theta = 1.0;
+        int event = simulation_find_event(m, &theta);
+        move_to(m, theta, to);
+        if (event) {
+            if (!simulation_solve_algebraic(m, s->t, s->v) || !count_state_event(m)) return ADVANCE_FAILED;
+            s->event_due = 1;
+            if (stop_at_events) return ADVANCE_EVENT;
+            if (!simulation_event(m, NULL)) return ADVANCE_FAILED;
+        } else if (!simulation_check_assertions(m)) {
+            return ADVANCE_FAILED;
+        }
+    }
+    return s->terminate ? ADVANCE_TERMINATED : ADVANCE_REACHED;
+}
+
+const double *simulation_values(Simulation *m, ModelStore store)
+{
+    State *s = &m->s;
+    if (!s->initialised && !simulation_initialise(m)) return NULL;
+    if (!(m->have & 1u << STORE_UNKNOWN)) {
+        /* Into a copy: whether somebody looks must not change the future. */
+        memcpy(m->shown_v, s->v, sizeof s->v);
+        if (!simulation_solve_algebraic(m, s->t, m->shown_v)) return NULL;
+        m->have = 1u << STORE_UNKNOWN;
+    }
+    if (store == STORE_UNKNOWN) return m->shown_v;
+    int valid = (m->have & 1u << store) != 0;
+    m->have |= 1u << store;
+    switch (store) {
+    case STORE_DERIVATIVE:
+        if (!valid) model_rhs(s->t, m->shown_v, s->u, s->p, s->d, s->c, m->shown_f);
+        return m->shown_f;
+    case STORE_OUTPUT:
+        if (!valid) model_outputs(s->t, m->shown_v, s->u, s->p, s->d, s->c, m->shown_y);
+        return m->shown_y;
+    case STORE_LOCAL:
+        if (!valid) model_locals(s->t, m->shown_v, s->u, s->p, s->d, s->c, m->shown_l);
+        return m->shown_l;
+    case STORE_DISCRETE: return s->d;
+    default: return NULL;
+    }
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: MIT-0
+ *
+ * Simulation of one model instance: initialisation, continuous integration, state and time events.
+ *
+ * Functions that can fail return 0 for failure, with the reason in message.
+ */
+#ifndef COSIM_HYBRID_H
+#define COSIM_HYBRID_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "model.h"
+#include "newton.h"
+#include "rodas.h"
+
+/* Two instants closer than this are one (in seconds). */
+#define SAME_INSTANT 1e-9
+
+#if defined(__GNUC__)
+#define PRINTF_LIKE(text, first) __attribute__((format(printf, text, first)))
+#else
+#define PRINTF_LIKE(text, first)
+#endif
+
+/* All that determines the future of an instance, and nothing else: saving it is copying it. */
+typedef struct {
+    double t, stop, tolerance;
+    double v[MODEL_ROOM(MODEL_NV)];
+    double u[MODEL_ROOM(MODEL_NU)];
+    double p[MODEL_ROOM(MODEL_NP)];
+    double d[MODEL_ROOM(MODEL_ND)]; /* between events also pre(d) */
+    double c[MODEL_ROOM(MODEL_NG)];
+    double clock_start[MODEL_ROOM(MODEL_NS)];
+    double clock_interval[MODEL_ROOM(MODEL_NS)];
+    int64_t tick[MODEL_ROOM(MODEL_NS)]; /* number of the next tick */
+    StepControl control;
+    double burst_start; /* when the present burst of state events began, and how many there were since */
+    int64_t burst_events;
+    uint64_t counters[COUNTERS];
+    int mode;        /* of the FMI shell */
+    int initialised; /* v, d, c solve the initial equations for the present u, p, t */
+    int event_due;   /* inputs have changed or a relation has: an event iteration must come before integrating on */
+    int terminate;   /* the model has called terminate() */
+    unsigned char warned[MODEL_ROOM(MODEL_NA)];
+} State;
+
+typedef enum { LOG_WARNING, LOG_EVENT } LogKind;
+
+typedef struct {
+    State s;
+    /* Scratch, of no meaning between two calls. */
+    Rodas rodas;
+    Newton newton;
+    unsigned char changing[MODEL_ROOM(MODEL_NG)]; /* relations that changed last */
+    /* Cache of values derived from s; bit (1 << ModelStore) of have says which are valid. */
+    unsigned have;
+    double shown_v[MODEL_ROOM(MODEL_NV)]; /* s.v with the algebraic unknowns solved to full accuracy */
+    double shown_f[MODEL_ROOM(MODEL_NV)];
+    double shown_y[MODEL_ROOM(MODEL_NY)];
+    double shown_l[MODEL_ROOM(MODEL_NL)];
+    /* Warnings and event notes go here, if not NULL. */
+    void (*log)(void *log_context, LogKind kind, const char *text);
+    void *log_context;
+    int log_events;
+    char message[1024];
+} Simulation;
+
+typedef enum { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_TERMINATED, ADVANCE_FAILED } Advance;
+
+/* Start values of inputs and parameters; forget everything else. */
+void simulation_reset(Simulation *m);
+
+/* An input or a parameter was set: what was derived from it is no longer valid. */
+void simulation_changed(Simulation *m);
+
+/* Solve the initial equations at s.t. */
+int simulation_initialise(Simulation *m);
+
+/* Integrate to s.t = to exactly, at most up to the next state event if stop_at_events. Knows nothing of clocks. */
+Advance simulation_advance(Simulation *m, double to, int stop_at_events);
+
+/* One event at s.t: the clock ticks that are due and everything that follows from them.
+ * reinitialised (may be NULL) tells whether a state was set. */
+int simulation_event(Simulation *m, int *reinitialised);
+
+/* Time of the next clock tick, INFINITY if there is none; whether it is at s.t. */
+double simulation_next_tick(const Simulation *m);
+int simulation_tick_is_due(const Simulation *m);
+
+/* The values of a store at s.t, NULL on failure. They satisfy the algebraic equations to rounding errors. */
+const double *simulation_values(Simulation *m, ModelStore store);
+
+/* For the runtime itself. */
+int simulation_fail(Simulation *m, const char *format, ...) PRINTF_LIKE(2, 3);
+int simulation_solve_algebraic(Simulation *m, double t, double *v);
+int simulation_check_assertions(Simulation *m);
+void simulation_relations(const Simulation *m, double t, const double *v, double *g);
+int simulation_truth(const Simulation *m, int k, double g);
+int simulation_find_event(Simulation *m, double *theta);
+const char *simulation_changing_relations(const Simulation *m, char *text, size_t size);
+
+#endif

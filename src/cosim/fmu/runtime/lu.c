@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT-0 */
+#include "lu.h"
+
+#include <math.h>
+
+int lu_factor(int n, double *A, int *pivots)
+{
+    for (int k = 0; k < n; k++) {
+        double *column = A + k * n;
+        int pivot = k;
+        for (int i = k + 1; i < n; i++)
+            if (fabs(column[i]) > fabs(column[pivot])) pivot = i;
+        pivots[k] = pivot;
+        /* Written so that a NaN counts as singular. */
+        if (!(fabs(column[pivot]) > 0.0) || isinf(column[pivot])) return k + 1;
+        if (pivot != k)
+            for (int j = 0; j < n; j++) {
+                double swapped = A[j * n + k];
+                A[j * n + k] = A[j * n + pivot];
+                A[j * n + pivot] = swapped;
+            }
+        double inverse = 1.0 / column[k];
+        for (int i = k + 1; i < n; i++) column[i] *= inverse;
+        for (int j = k + 1; j < n; j++) {
+            double *updated = A + j * n;
+            double factor = updated[k];
+            /* Torn models have sparse Jacobians: most of these are zero. */
+            if (factor == 0.0) continue;
+            for (int i = k + 1; i < n; i++) updated[i] -= column[i] * factor;
+        }
+    }
+    return 0;
+}
+
+void lu_solve(int n, const double *A, const int *pivots, double *b)
+{
+    /* Rows were swapped as a whole, the finished part of L included, so all swaps come first. */
+    for (int k = 0; k < n; k++) {
+        double swapped = b[k];
+        b[k] = b[pivots[k]];
+        b[pivots[k]] = swapped;
+    }
+    for (int k = 0; k < n; k++) {
+        const double *column = A + k * n;
+        double factor = b[k];
+        if (factor == 0.0) continue;
+        for (int i = k + 1; i < n; i++) b[i] -= column[i] * factor;
+    }
+    for (int k = n - 1; k >= 0; k--) {
+        const double *column = A + k * n;
+        if (b[k] == 0.0) continue;
+        double value = b[k] /= column[k];
+        for (int i = 0; i < k; i++) b[i] -= column[i] * value;
+    }
+}

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT-0
+ *
+ * RODAS4(3): a Rosenbrock method for M dv/dt = f(t, v) with M = diag(1..1, 0..0), index 1. It is L-stable and stiffly
+ * accurate, needs no Newton iteration, and has a dense output of order 3.
+ */
+#ifndef COSIM_RODAS_H
+#define COSIM_RODAS_H
+
+#include "model.h"
+
+/* What does not change during a step. */
+typedef struct {
+    const double *u, *p, *d, *c;
+} Held;
+
+/* One step from t to t + h: the numbers of the beginning, the result, and the dense output between them. */
+typedef struct {
+    double t, h;
+    double v[MODEL_ROOM(MODEL_NV)];
+    double v_new[MODEL_ROOM(MODEL_NV)];
+    double dense2[MODEL_ROOM(MODEL_NV)];
+    double dense3[MODEL_ROOM(MODEL_NV)];
+    double f[MODEL_ROOM(MODEL_NV)];
+    double f_t[MODEL_ROOM(MODEL_NV)];
+    double J[MODEL_ROOM(MODEL_NV * MODEL_NV)];
+    double LU[MODEL_ROOM(MODEL_NV * MODEL_NV)];
+    double K[6][MODEL_ROOM(MODEL_NV)];
+    int pivots[MODEL_ROOM(MODEL_NV)];
+    int worst; /* unknown with the largest share of the error */
+} Rodas;
+
+/* The memory of the step size control. */
+typedef struct {
+    double h;              /* to be tried next, 0 = not known */
+    double h_accepted;     /* the last accepted step, 0 = none since the last discontinuity */
+    double error_accepted; /* and its error */
+    int rejected;          /* the last attempt was rejected */
+} StepControl;
+
+/* Evaluate f, its Jacobian and its time derivative at the beginning of a step. */
+void rodas_begin(Rodas *r, double t, const double *v, const Held *held);
+
+/* Try the step h; may be repeated. Returns the error, at most 1 if acceptable, infinite if f is not a number. */
+double rodas_attempt(Rodas *r, double h, double tolerance, const Held *held);
+
+/* The solution at t + theta h, 0 <= theta <= 1; exact at the ends. */
+void rodas_dense(const Rodas *r, double theta, double *v);
+
+/* A careful first step from where rodas_begin was called. */
+double rodas_first_step(const Rodas *r, double tolerance);
+
+/* A step is followed by one at most this much longer. */
+#define CONTROL_MOST_GROWTH 6.0
+
+/* Learn from an attempt. */
+void control_accept(StepControl *control, double h, double error);
+void control_reject(StepControl *control, double h, double error);
+
+/* Forget what was learnt about the solution's smoothness. */
+void control_restart(StepControl *control);
+
+#endif
