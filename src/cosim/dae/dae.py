@@ -1,0 +1,109 @@
+"""The result of compilation: an index-1 semi-explicit hybrid DAE with few unknowns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+from cosim.dae.hybrid import SX, Assignment, Check, Clock, Parameter, Relation, Scalar
+from cosim.dae.tearing import Block
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A continuous state or a torn unknown."""
+
+    name: str
+    symbol: SX
+    start: SX
+    """Initial condition or guess, as an expression of parameters."""
+    nominal: float
+
+
+@dataclass(frozen=True)
+class Published:
+    """A variable that importers see, and its value in terms of the Dae's arguments."""
+
+    scalar: Scalar
+    value: SX
+
+
+@dataclass(frozen=True)
+class Reset:
+    """The state at ``index`` gets ``value`` when ``guard`` is true at an event."""
+
+    index: int
+    value: SX
+    guard: SX
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """How many equations there were at each stage, for ``--explain``."""
+
+    flat: int
+    after_aliases: int
+    differentiated: int
+    index: int
+
+
+@dataclass
+class Dae:
+    """dx/dt = derivatives, 0 = residuals, and what happens at events.
+
+    Every expression is in terms of ``time``, the symbols of ``states`` (x) and ``torn`` (z), ``inputs`` (u),
+    ``parameters`` (p), ``discretes`` (d) and the relations' truth values (c); those of the discrete part also of
+    ``pre``, ``new``, the clocks' ``fired`` and ``initial``.
+    """
+
+    name: str
+    description: str | None
+    time: SX
+    initial: SX
+    states: list[Unknown]
+    torn: list[Unknown]
+    parameters: list[Parameter]
+    inputs: list[Scalar]
+    discretes: list[Scalar]
+    pre: dict[str, SX]
+    new: dict[str, SX]
+    derivatives: SX
+    residuals: SX
+    relations: list[Relation]
+    clocks: list[Clock]
+    assignments: list[Assignment]
+    resets: list[Reset]
+    checks: list[Check]
+    terminations: list[tuple[SX, str]]
+    initial_residuals: SX
+    initial_texts: list[str]
+    published: list[Published]
+    """All variables of the model that are not protected, in the order of declaration, outputs first."""
+    aliases: dict[str, str]
+    """What each eliminated variable equals, as text."""
+    blocks: list[Block]
+    sizes: Sizes
+    continuous_solution: list[tuple[str, SX]] = field(default_factory=list)
+    """Every explicitly computed unknown, in the order of computation, in terms of the arguments."""
+
+    @property
+    def unknowns(self) -> list[Unknown]:
+        """States, then torn unknowns."""
+        return [*self.states, *self.torn]
+
+    @property
+    def v(self) -> SX:
+        """States and torn unknowns as one column."""
+        return ca.vertcat(SX(0, 1), *(u.symbol for u in self.unknowns))
+
+    @property
+    def f(self) -> SX:
+        """Derivatives and residuals as one column."""
+        return ca.vertcat(self.derivatives, self.residuals)
+
+    def __str__(self) -> str:
+        """The same text as ``cosim export --explain``."""
+        from cosim.dae.explain import explain
+
+        return explain(self)

@@ -1,0 +1,281 @@
+"""The discrete part: when-clauses and equations of discrete variables become assignments in a computable order."""
+
+from __future__ import annotations
+
+import graphlib
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import maximum_bipartite_matching
+
+from cosim.dae.evaluate import Evaluator, Mode, Symbols, declare_held, element_names
+from cosim.dae.hybrid import SX, Assignment, Reinit
+from cosim.errors import ModelError
+from cosim.modelica import flat as fm
+from cosim.modelica.expressions import Array, Binary, Call, Expression, Reference, render, render_equation
+
+
+def lower_discrete(symbols: Symbols) -> set[fm.Equation]:
+    """Fill ``system.assignments``, ``reinits``, ``checks`` and ``terminations``; returns the equations used up.
+
+    Raises:
+        ModelError: a discrete variable has no equation or two, or discrete equations need each other's result.
+    """
+    assignments: list[Assignment] = []
+    for when in symbols.flat.whens:
+        assignments += _When(symbols, when).lower()
+    assigned = {target for assignment in assignments for target in assignment.targets}
+    used, equations = _equations(symbols, assigned)
+    assignments += equations
+    for name, value, at in symbols.held_values:
+        text = next(text for text, held in symbols.held.items() if held == name)
+        assignments.append(Assignment((name,), value, None, f"{name} = {text}", at))
+    symbols.system.assignments = _ordered(symbols, assignments)
+    return used
+
+
+class _When:
+    """Lowers one when-clause."""
+
+    def __init__(self, symbols: Symbols, when: fm.When) -> None:
+        self._symbols = symbols
+        self._system = symbols.system
+        self._when = when
+        self._extra: list[Assignment] = []
+
+    def lower(self) -> list[Assignment]:
+        actives: list[SX] = []
+        values: list[dict[str, SX]] = []
+        for condition, actions in self._when.branches:
+            active = self._active(condition)
+            for earlier in actives:
+                active = ca.logic_and(active, ca.logic_not(earlier))
+            actives.append(active)
+            values.append(self._sequential(actions) if self._when.sequential else self._equations(actions))
+            self._effects(actions, active)
+        return self._extra + self._assignments(actives, values)
+
+    def _assignments(self, actives: list[SX], values: list[dict[str, SX]]) -> list[Assignment]:
+        result = []
+        targets = dict.fromkeys(target for branch in values for target in branch)
+        for target in targets:
+            variable = self._symbols.flat.variables[target]
+            pre = self._symbols.pre[target]
+            guard = SX(0.0)
+            value = pre
+            for active, branch in reversed(list(zip(actives, values, strict=True))):
+                if target in branch:
+                    chosen = branch[target]
+                    value = chosen if len(actives) == 1 else ca.if_else(active, chosen, value)
+                    guard = active if len(actives) == 1 else ca.logic_or(active, guard)
+            names = tuple(element_names(target, variable.dimensions))
+            value = ca.vec(value)
+            if value.numel() == 1 and len(names) > 1:
+                value = ca.repmat(value, len(names), 1)
+            if value.numel() != len(names):
+                raise self._symbols.flat.source.error(
+                    f"{target} has {len(names)} elements but is assigned {value.numel()}", self._when.at
+                )
+            result.append(Assignment(names, value, guard, f"when: {target}", self._when.at))
+        return result
+
+    def _active(self, condition: Expression) -> SX:
+        """True in the pass in which the condition becomes true."""
+        if isinstance(condition, Array):
+            active = SX(0.0)
+            for element in condition.elements:
+                active = ca.logic_or(active, self._active(element))
+            return active
+        value = Evaluator(self._symbols, Mode.DISCRETE)(condition)
+        if isinstance(condition, Call) and condition.function in ("sample", "initial"):
+            return value
+        name = f"$when{sum(n.startswith('$when') for n in self._system.discretes) + 1}"
+        declare_held(self._symbols, name, "Boolean")
+        self._extra.append(Assignment((name,), value, None, f"{name} = {render(condition)}", self._when.at))
+        return ca.logic_and(self._symbols.new[name], ca.logic_not(self._symbols.pre[name]))
+
+    def _equations(self, actions: tuple[fm.Action, ...]) -> dict[str, SX]:
+        evaluate = Evaluator(self._symbols, Mode.SAMPLED)
+        values: dict[str, SX] = {}
+        for action in actions:
+            if isinstance(action, fm.Assign):
+                self._once(values, action.target, action.at)
+                values[action.target] = evaluate(action.value)
+            elif isinstance(action, fm.Conditional):
+                branches = [self._equations(body) for _, body in action.branches]
+                otherwise = self._equations(action.otherwise)
+                conditions = [evaluate(condition) for condition, _ in action.branches]
+                for target in dict.fromkeys(t for branch in (*branches, otherwise) for t in branch):
+                    self._once(values, target, action.at)
+                    value = otherwise.get(target, self._symbols.pre[target])
+                    for condition, branch in reversed(list(zip(conditions, branches, strict=True))):
+                        value = ca.if_else(condition, branch.get(target, self._symbols.pre[target]), value)
+                    values[target] = value
+        return values
+
+    def _once(self, values: dict[str, SX], target: str, at: int) -> None:
+        variable = self._symbols.flat.variables.get(target)
+        if variable is None or target not in self._symbols.new:
+            raise self._symbols.flat.source.error(f"{target} is assigned in when but is not a discrete variable", at)
+        if target in values:
+            raise self._symbols.flat.source.error(f"{target} is assigned twice in one when-clause", at)
+
+    def _sequential(self, actions: tuple[fm.Action, ...]) -> dict[str, SX]:
+        """Run the statements of an algorithm; a variable assigned there starts from its pre-value."""
+        state = {target: self._symbols.pre[target] for target in _targets(actions)}
+        self._run(actions, state)
+        return state
+
+    def _run(self, actions: tuple[fm.Action, ...], state: dict[str, SX]) -> None:
+        for action in actions:
+            evaluate = Evaluator(self._symbols, Mode.SAMPLED, locals=dict(state))
+            if isinstance(action, fm.Assign):
+                value = evaluate(action.value)
+                if action.subscripts:
+                    node = Reference(action.target, action.subscripts, action.at)
+                    count = state[action.target].numel()
+                    numbers = ca.reshape(SX(ca.DM(list(range(count)))), *state[action.target].shape)
+                    chosen = Evaluator(self._symbols, Mode.SAMPLED, locals={action.target: numbers})(node)
+                    whole = SX(state[action.target])
+                    for position, index in enumerate(int(i) for i in ca.DM(chosen).full().ravel()):
+                        whole[index] = value[position if value.numel() > 1 else 0]
+                    value = whole
+                state[action.target] = value
+            elif isinstance(action, fm.Conditional):
+                outcomes = []
+                for condition, body in action.branches:
+                    branch = dict(state)
+                    self._run(body, branch)
+                    outcomes.append((evaluate(condition), branch))
+                otherwise = dict(state)
+                self._run(action.otherwise, otherwise)
+                for target in state:
+                    value = otherwise[target]
+                    for condition, branch in reversed(outcomes):
+                        if not ca.is_equal(branch[target], value, 1):
+                            value = ca.if_else(condition, branch[target], value)
+                    state[target] = value
+
+    def _effects(self, actions: tuple[fm.Action, ...], active: SX) -> None:
+        evaluate = Evaluator(self._symbols, Mode.SAMPLED)
+        for action in actions:
+            if isinstance(action, fm.Conditional):
+                rest = active
+                for condition, body in action.branches:
+                    holds = evaluate(condition)
+                    self._effects(body, ca.logic_and(rest, holds))
+                    rest = ca.logic_and(rest, ca.logic_not(holds))
+                self._effects(action.otherwise, rest)
+            elif isinstance(action, fm.Reinit):
+                if action.state not in self._system.unknowns:
+                    raise self._symbols.flat.source.error(f"reinit({action.state}): not a continuous variable", action.at)
+                self._system.reinits.append(Reinit(action.state, evaluate(action.value), active, action.at))
+            elif isinstance(action, fm.Assertion):
+                raise self._symbols.flat.source.error("assert inside when is not supported; move it out", action.at)
+            elif isinstance(action, fm.Terminate):
+                self._system.terminations.append((active, action.message))
+
+
+def _targets(actions: tuple[fm.Action, ...]) -> list[str]:
+    found: dict[str, None] = {}
+    for action in actions:
+        if isinstance(action, fm.Assign):
+            found[action.target] = None
+        elif isinstance(action, fm.Conditional):
+            for body in (*(body for _, body in action.branches), action.otherwise):
+                found.update(dict.fromkeys(_targets(body)))
+    return list(found)
+
+
+def _equations(symbols: Symbols, assigned: set[str]) -> tuple[set[fm.Equation], list[Assignment]]:
+    """Equations outside when that define a discrete variable: ``b = expression`` either way round."""
+    flat = symbols.flat
+    open_names = [name for name in flat.variables if name in symbols.new and not name.startswith("$")]
+    open_names = [n for n in open_names if not set(element_names(n, flat.variables[n].dimensions)) & assigned]
+    candidates: list[tuple[fm.Equation, list[str]]] = []
+    for equation in flat.equations:
+        sides = _sides(equation)
+        names = [s.name for s in sides if isinstance(s, Reference) and not s.subscripts and s.name in symbols.new]
+        is_discrete = any(_is_discrete(symbols, side) for side in sides)
+        if names and is_discrete:
+            candidates.append((equation, [n for n in names if n in open_names]))
+    rows, columns = [], []
+    for row, (_, names) in enumerate(candidates):
+        for name in names:
+            rows.append(row)
+            columns.append(open_names.index(name))
+    matrix = csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(candidates), max(1, len(open_names))))
+    match = maximum_bipartite_matching(matrix, perm_type="column") if candidates else np.array([], int)
+    result = []
+    for (equation, _), column in zip(candidates, match, strict=True):
+        if column < 0:
+            raise flat.source.error(
+                f"{render_equation(equation.residual)}: every discrete variable in it is defined elsewhere", equation.at
+            )
+        name = open_names[column]
+        left, right = _sides(equation)
+        value_side = right if isinstance(left, Reference) and left.name == name else left
+        value = ca.vec(Evaluator(symbols, Mode.DISCRETE)(value_side))
+        names_of = tuple(element_names(name, flat.variables[name].dimensions))
+        text = render_equation(equation.residual)
+        result.append(Assignment(names_of, value, None, text, equation.at))
+    defined = {name for assignment in result for name in assignment.targets}
+    for name in open_names:
+        if not set(element_names(name, flat.variables[name].dimensions)) & defined:
+            raise flat.source.error(f"{name} is discrete, but no equation or when-clause gives it a value",
+                                    flat.variables[name].at)  # fmt: skip
+    return {equation for equation, _ in candidates}, result
+
+
+def _sides(equation: fm.Equation) -> tuple[Expression, ...]:
+    residual = equation.residual
+    return (residual.left, residual.right) if isinstance(residual, Binary) and residual.operator == "-" else (residual,)
+
+
+def _is_discrete(symbols: Symbols, side: Expression) -> bool:
+    return isinstance(side, Reference) and side.name in symbols.new
+
+
+def _ordered(symbols: Symbols, assignments: list[Assignment]) -> list[Assignment]:
+    """Sort so that each assignment uses only new values that are there already; equal guards stay together."""
+    writer = {target: index for index, a in enumerate(assignments) for target in a.targets}
+    needs: dict[int, set[int]] = {}
+    for index, assignment in enumerate(assignments):
+        read = {s.name() for s in ca.symvar(assignment.values)}
+        if assignment.guard is not None:
+            read |= {s.name() for s in ca.symvar(assignment.guard)}
+        names = {name[4:-1] for name in read if name.startswith("new(")}
+        needs[index] = {writer[name] for name in names if name in writer}
+        for name in names:
+            if name not in writer:
+                raise _no_value(symbols, name)
+    sorter = graphlib.TopologicalSorter(needs)
+    try:
+        sorter.prepare()
+    except graphlib.CycleError as error:
+        ring = [assignments[i] for i in dict.fromkeys(error.args[1])]
+        texts = "; ".join(a.text for a in ring)
+        raise symbols.flat.source.error(
+            f"these discrete equations need each other's result: {texts}; use pre() to break the ring", ring[0].at
+        ) from None
+    ready: list[int] = []
+    result: list[Assignment] = []
+    while sorter.is_active():
+        ready = sorted([*ready, *sorter.get_ready()])
+        current = result[-1].guard if result else None
+        pick = next((i for i in ready if result and _same(assignments[i].guard, current)), ready[0])
+        ready.remove(pick)
+        result.append(assignments[pick])
+        sorter.done(pick)
+    return result
+
+
+def _same(a: SX | None, b: SX | None) -> bool:
+    return (a is None and b is None) or (a is not None and b is not None and ca.is_equal(a, b, 20))
+
+
+def _no_value(symbols: Symbols, name: str) -> ModelError:
+    return symbols.flat.source.error(f"{name} is discrete, but no equation or when-clause gives it a value",
+                                     symbols.scalars[name].declaration.at)  # fmt: skip
+

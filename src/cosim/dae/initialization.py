@@ -1,0 +1,54 @@
+"""The initial system: as many conditions as unknowns, from fixed starts, initial equations and start values."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from cosim.dae.blocks import extend
+from cosim.dae.dae import Unknown
+from cosim.dae.hybrid import SX, HybridSystem
+
+
+def initial_system(
+    system: HybridSystem,
+    states: list[Unknown],
+    torn: list[Unknown],
+    residuals: SX,
+    conditions: list[tuple[SX, str, int]],
+) -> tuple[SX, list[str]]:
+    """Residuals of the initial system and their texts.
+
+    The conditions (fixed start values and initial equations) all hold. A state that they leave open keeps its start
+    value, which the Modelica specification (8.6) leaves to the tool.
+
+    Args:
+        system: for the place of errors.
+        states: the continuous states.
+        torn: the torn unknowns.
+        residuals: the algebraic equations, one for each torn unknown.
+        conditions: residual, text and place of each initial condition.
+
+    Raises:
+        ModelError: more conditions than degrees of freedom.
+    """
+    unknowns = [*states, *torn]
+    column = {u.symbol.name(): j for j, u in enumerate(unknowns)}
+    rows = [(r, f"algebraic equation for {u.name}") for r, u in zip(ca.vertsplit(residuals), torn, strict=True)]
+    rows += [(residual, text) for residual, text, _ in conditions]
+    rows += [(u.symbol - u.start, f"{u.name} = its start value") for u in states]
+    incidence = [[column[s.name()] for s in ca.symvar(r) if s.name() in column] for r, _ in rows]
+    matched: dict[int, int] = {}
+    taken: list[int] = []
+    required = len(torn) + len(conditions)
+    for row in range(len(rows)):
+        if extend(incidence, len(unknowns), matched, row):
+            taken.append(row)
+        elif row < required:
+            _, text, at = conditions[row - len(torn)] if row >= len(torn) else (None, rows[row][1], 0)
+            raise system.source.error(
+                f"{system.name}: one initial condition too many: {text}; there are {len(states)} degrees of freedom,"
+                f" the states {', '.join(u.name for u in states) or '(none)'}. Take fixed=true or an initial equation"
+                " away",
+                at,
+            )
+    return ca.vertcat(SX(0, 1), *(rows[row][0] for row in taken)), [rows[row][1] for row in taken]

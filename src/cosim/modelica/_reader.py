@@ -1,0 +1,304 @@
+"""Reads rumoca's flat tree into a :class:`FlatModel`; refuses, with the place, what it has no reading for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cosim.modelica.expressions import (
+    Array,
+    Binary,
+    Call,
+    Comprehension,
+    Expression,
+    If,
+    Literal,
+    Range,
+    Reference,
+    Unary,
+)
+from cosim.modelica.flat import (
+    Action,
+    Assertion,
+    Assign,
+    Causality,
+    Conditional,
+    Equation,
+    FlatModel,
+    Reinit,
+    StateSelect,
+    Terminate,
+    Type,
+    Variability,
+    Variable,
+    When,
+)
+from cosim.modelica.source import Source
+
+Tree = dict[str, Any]
+
+_BINARY = {
+    "Add": "+", "Sub": "-", "Mul": "*", "Div": "/", "Exp": "^",
+    "AddElem": ".+", "SubElem": ".-", "MulElem": ".*", "DivElem": "./", "ExpElem": ".^",
+    "Gt": ">", "Ge": ">=", "Lt": "<", "Le": "<=", "Eq": "==", "Neq": "<>", "And": "and", "Or": "or",
+}  # fmt: skip
+_UNARY = {"Minus": "-", "DotMinus": "-", "Plus": "+", "DotPlus": "+", "Not": "not"}
+_BUILTIN = {"NoEvent": "noEvent", "OuterProduct": "outerProduct"}
+
+
+def read(tree: Tree, model: str, source: Source) -> FlatModel:
+    """Read the tree that ``to_dict("flat")`` of rumoca 0.10 gives.
+
+    Raises:
+        ModelError: something in the model is outside what is supported, by name and place.
+    """
+    return _Reader(tree, source).model(model)
+
+
+def _tag(node: Any) -> tuple[str, Any]:  # noqa: ANN401 - JSON
+    """The variant and content of a serialised enumeration: ``"Empty"`` or ``{"Variant": content}``."""
+    if isinstance(node, str):
+        return node, None
+    ((tag, content),) = node.items()
+    return tag, content
+
+
+class _Reader:
+    def __init__(self, tree: Tree, source: Source) -> None:
+        self._tree = tree
+        self._source = source
+        self._ordinals: dict[str, int] = tree["enum_literal_ordinals"]
+
+    def model(self, name: str) -> FlatModel:
+        tree = self._tree
+        for key, what in (
+            ("initial_structured_equations", "for-loops in initial equations"),
+            ("initial_assert_equations", "assert in initial equations"),
+            ("initial_algorithms", "initial algorithm"),
+        ):
+            if tree.get(key):
+                raise self._source.error(f"{what} are not supported yet", self._source.find_class(name))
+        for family in tree["structured_equations"]:
+            if not family["template"]["interiors_materialized"]:
+                raise self._source.error("this for-loop could not be expanded", self._at(family))
+        whens = [self._when(chain) for chain in tree["when_chains"]]
+        for algorithm in tree["algorithms"]:
+            whens += self._algorithm(algorithm)
+        variables = {key: self._variable(value) for key, value in tree["variables"].items()}
+        return FlatModel(
+            name=name,
+            source=self._source,
+            description=tree["model_description"],
+            variables=variables,
+            equations=(*self._bindings(variables), *(self._equation(node) for node in tree["equations"])),
+            initial_equations=tuple(self._equation(node) for node in tree["initial_equations"]),
+            whens=tuple(whens),
+            assertions=tuple(self._assertion(node) for node in tree["assert_equations"]),
+            enumeration_values=dict(self._ordinals),
+        )
+
+    @staticmethod
+    def _bindings(variables: dict[str, Variable]) -> list[Equation]:
+        """Declaration equations, which the flat tree keeps with the variables: ``Real x = a`` and ``S s(u = a)``."""
+        return [
+            Equation(Binary("-", Reference(v.name, (), v.at), v.binding, v.at), "Declaration", v.at)
+            for v in variables.values()
+            if v.binding is not None and v.variability not in ("parameter", "constant") and v.causality != "input"
+        ]
+
+    @staticmethod
+    def _at(node: Tree) -> int:
+        return int(node["span"]["start"]) if node.get("span") else 0
+
+    def _variable(self, node: Tree) -> Variable:
+        name: str = node["name"]
+        at = int(node["source_span"]["start"])
+        type_name: str = self._tree["variable_type_names"].get(name, "Real")
+        kind, literals = self._type(node, type_name)
+        tag, _ = _tag(node["variability"])
+        variability: Variability = "continuous"
+        if tag in ("Parameter", "Constant"):
+            variability = "parameter" if tag == "Parameter" else "constant"
+        elif tag == "Discrete" or kind != "Real":
+            variability = "discrete"
+        causality: Causality = "local"
+        tag, _ = _tag(node["causality"])
+        if "." not in name and tag in ("Input", "Output"):
+            causality = "input" if tag == "Input" else "output"
+        select: StateSelect = str(node["state_select"]).lower()  # type: ignore[assignment]
+        fixed = node["fixed"]
+        if isinstance(fixed, list):
+            fixed = all(fixed)
+        return Variable(
+            name=name,
+            type=kind,
+            variability=variability,
+            causality=causality,
+            dimensions=tuple(node["dims"]),
+            start=self._optional(node["start"]),
+            fixed=fixed,
+            binding=self._optional(node["binding"]),
+            minimum=self._optional(node["min"]),
+            maximum=self._optional(node["max"]),
+            nominal=self._optional(node["nominal"]),
+            unit=node["unit"],
+            display_unit=node["display_unit"],
+            quantity=node["quantity"],
+            description=node["description"],
+            state_select=select,
+            final=bool(self._tree["variable_final_flags"].get(name, False)),
+            protected=bool(node["is_protected"]),
+            literals=literals,
+            at=at,
+        )
+
+    def _type(self, node: Tree, type_name: str) -> tuple[Type, tuple[str, ...]]:
+        effective = self._tree["effective_types"][str(node["type_id"])]
+        builtin = {number: name for name, number in self._tree["predefined_types"].items()}
+        base = builtin.get(effective["canonical_type"])
+        if base in ("real", "integer", "boolean", "string"):
+            return base.capitalize(), ()  # type: ignore[return-value]
+        # the type's name is as the declaration wrote it; the literals are listed under the full name and the last part
+        listed = {key.rpartition(".")[0] for key in self._ordinals}
+        matching = sorted((n for n in listed if n == type_name or n.endswith(f".{type_name}")), key=len)
+        literals = {
+            value: key.rpartition(".")[2]
+            for key, value in self._ordinals.items()
+            if matching and key.rpartition(".")[0] == matching[0] and "'" not in key
+        }
+        if not literals:
+            raise self._source.error(f"{node['name']}: variables of type {type_name} are not supported", self._at(node))
+        return "Enumeration", tuple(literals[value] for value in sorted(literals))
+
+    def _optional(self, node: Tree | None) -> Expression | None:
+        return None if node is None else self.expression(node)
+
+    def _equation(self, node: Tree) -> Equation:
+        tag, content = _tag(node["origin"])
+        origin = str(content.get("component", "")) if isinstance(content, dict) else ""
+        return Equation(self.expression(node["residual"]), f"{tag}:{origin}", self._at(node))
+
+    def _assertion(self, node: Tree) -> Assertion:
+        level = self._optional(node.get("level"))
+        message = self.expression(node["message"])
+        if not (isinstance(message, Literal) and isinstance(message.value, str)):
+            raise self._source.error("the message of assert must be a plain string", self._at(node))
+        is_error = not (isinstance(level, Reference) and level.name.endswith("warning"))
+        return Assertion(self.expression(node["condition"]), message.value, is_error, self._at(node))
+
+    def _when(self, chain: Tree) -> When:
+        branches = [chain["first"], *chain["else_when"]]
+        return When(
+            tuple((self.expression(b["condition"]), tuple(self._action(a) for a in b["equations"])) for b in branches),
+            sequential=False,
+            at=self._at(chain),
+        )
+
+    def _action(self, node: Tree) -> Action:
+        tag, content = _tag(node)
+        at = self._at(content)
+        match tag:
+            case "Assign":
+                return Assign(content["target"], (), self.expression(content["value"]), at)
+            case "Reinit":
+                return Reinit(content["state"], self.expression(content["value"]), at)
+            case "Assert":
+                return self._assertion(content)
+            case "Terminate":
+                message = self.expression(content["message"])
+                return Terminate(str(message.value) if isinstance(message, Literal) else "terminate", at)
+            case "Conditional":
+                return Conditional(
+                    tuple((self.expression(c), tuple(self._action(a) for a in body)) for c, body in content["branches"]),
+                    tuple(self._action(a) for a in content.get("else_branch") or ()),
+                    at,
+                )
+        raise self._source.error(f"{tag} is not supported inside when", at)
+
+    def _algorithm(self, node: Tree) -> list[When]:
+        whens = []
+        for statement in node["statements"]:
+            tag, content = _tag(statement)
+            if tag != "When":
+                raise self._source.error(
+                    "algorithm sections may hold only when-statements so far; write this as an equation",
+                    self._at(content) if isinstance(content, dict) else self._at(node),
+                )
+            whens.append(
+                When(
+                    tuple((self.expression(b["cond"]), self._statements(b["stmts"])) for b in content["blocks"]),
+                    sequential=True,
+                    at=self._at(content) or self._at(node),
+                )
+            )
+        return whens
+
+    def _statements(self, nodes: list[Tree]) -> tuple[Action, ...]:
+        return tuple(self._statement(node) for node in nodes)
+
+    def _statement(self, node: Tree) -> Action:
+        tag, content = _tag(node)
+        at = self._at(content) if isinstance(content, dict) else 0
+        match tag:
+            case "Assignment":
+                parts = content["comp"]["parts"]
+                name = ".".join(part["ident"] for part in parts)
+                subscripts = tuple(self._subscript(s) for s in parts[-1]["subs"] or ())
+                return Assign(name, subscripts, self.expression(content["value"]), self._at(content["comp"]))
+            case "If":
+                return Conditional(
+                    tuple((self.expression(b["cond"]), self._statements(b["stmts"])) for b in content["cond_blocks"]),
+                    self._statements(content.get("else_block") or []),
+                    at,
+                )
+            case "Reinit":
+                return Reinit(content["state"], self.expression(content["value"]), at)
+        raise self._source.error(f"{tag.lower()} is not supported inside when-statements", at)
+
+    def _subscript(self, node: Tree) -> Expression | None:
+        tag, content = _tag(node)
+        match tag:
+            case "Index":
+                return Literal(int(content["value"]), 0)
+            case "Expr":
+                return self.expression(content["expr"])
+        return None
+
+    def expression(self, node: Tree) -> Expression:
+        tag, content = _tag(node)
+        at = self._at(content)
+        match tag:
+            case "Literal":
+                kind, value = _tag(content["value"])
+                if kind == "Boolean":
+                    return Literal(value in (True, "true", "True"), at)
+                return Literal(value, at)
+            case "VarRef":
+                subscripts = tuple(self._subscript(s) for s in content["subscripts"])
+                return Reference(content["name"]["name"], subscripts, at)
+            case "Binary":
+                return Binary(_BINARY[content["op"]], self.expression(content["lhs"]), self.expression(content["rhs"]), at)
+            case "Unary":
+                return Unary(_UNARY[content["op"]], self.expression(content["rhs"]), at)
+            case "If":
+                return If(
+                    tuple((self.expression(c), self.expression(v)) for c, v in content["branches"]),
+                    self.expression(content["else_branch"]),
+                    at,
+                )
+            case "BuiltinCall":
+                name = content["function"]
+                function = _BUILTIN.get(name, name[0].lower() + name[1:])
+                return Call(function, tuple(self.expression(a) for a in content["args"]), at)
+            case "Array":
+                return Array(tuple(self.expression(e) for e in content["elements"]), at)
+            case "Range":
+                step = self._optional(content["step"])
+                return Range(self.expression(content["start"]), step, self.expression(content["end"]), at)
+            case "ArrayComprehension" if len(content["indices"]) == 1 and not content.get("filter"):
+                (index,) = content["indices"]
+                domain = self.expression(index["range"])
+                return Comprehension(self.expression(content["expr"]), index["name"], domain, at)
+            case "FunctionCall":
+                name = content["name"]["name"]
+                raise self._source.error(f"calls of the function {name} are not supported yet", at)
+        raise self._source.error(f"{tag} expressions are not supported", at)

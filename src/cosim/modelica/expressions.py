@@ -1,0 +1,174 @@
+"""The expressions of a flat model: a small tree, each node with its byte offset in the source text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Literal:
+    """A number, Boolean or string."""
+
+    value: float | bool | int | str
+    at: int
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A variable, an element of one, or an enumeration literal."""
+
+    name: str
+    subscripts: tuple[Expression | None, ...]
+    """``None`` is a bare colon."""
+    at: int
+
+
+@dataclass(frozen=True)
+class Unary:
+    """``-x``, ``+x`` or ``not x``."""
+
+    operator: str
+    operand: Expression
+    at: int
+
+
+@dataclass(frozen=True)
+class Binary:
+    """An arithmetic, relational or logical operation; ``operator`` is the Modelica token."""
+
+    operator: str
+    left: Expression
+    right: Expression
+    at: int
+
+
+@dataclass(frozen=True)
+class If:
+    """An if-expression."""
+
+    branches: tuple[tuple[Expression, Expression], ...]
+    otherwise: Expression
+    at: int
+
+
+@dataclass(frozen=True)
+class Call:
+    """A built-in operator or function, by its Modelica name."""
+
+    function: str
+    arguments: tuple[Expression, ...]
+    at: int
+
+
+@dataclass(frozen=True)
+class Array:
+    """An array constructor ``{...}``."""
+
+    elements: tuple[Expression, ...]
+    at: int
+
+
+@dataclass(frozen=True)
+class Range:
+    """``start : step : end``."""
+
+    start: Expression
+    step: Expression | None
+    end: Expression
+    at: int
+
+
+@dataclass(frozen=True)
+class Comprehension:
+    """``{element for index in domain}``."""
+
+    element: Expression
+    index: str
+    domain: Expression
+    at: int
+
+
+Expression = Literal | Reference | Unary | Binary | If | Call | Array | Range | Comprehension
+
+
+def children(expression: Expression) -> Iterator[Expression]:
+    """The direct subexpressions."""
+    match expression:
+        case Literal():
+            return
+        case Reference(subscripts=subscripts):
+            yield from (subscript for subscript in subscripts if subscript is not None)
+        case Unary(operand=operand):
+            yield operand
+        case Binary(left=left, right=right):
+            yield from (left, right)
+        case If(branches=branches, otherwise=otherwise):
+            for condition, value in branches:
+                yield from (condition, value)
+            yield otherwise
+        case Call(arguments=arguments):
+            yield from arguments
+        case Array(elements=elements):
+            yield from elements
+        case Range(start=start, step=step, end=end):
+            yield start
+            if step is not None:
+                yield step
+            yield end
+        case Comprehension(element=element, domain=domain):
+            yield from (element, domain)
+
+
+def calls(expression: Expression, function: str) -> Iterator[Call]:
+    """All calls of one function in an expression, outermost first."""
+    if isinstance(expression, Call) and expression.function == function:
+        yield expression
+    for child in children(expression):
+        yield from calls(child, function)
+
+
+_PRECEDENCE = {
+    "or": 1, "and": 2, "<": 4, "<=": 4, ">": 4, ">=": 4, "==": 4, "<>": 4,
+    "+": 5, "-": 5, ".+": 5, ".-": 5, "*": 6, "/": 6, ".*": 6, "./": 6, "^": 7, ".^": 7,
+}  # fmt: skip
+
+
+def render(expression: Expression, above: int = 0) -> str:
+    """Modelica text of an expression, for messages and comments."""
+    match expression:
+        case Literal(value=bool(value)):
+            return "true" if value else "false"
+        case Literal(value=str(value)):
+            return f'"{value}"'
+        case Literal(value=value):
+            return f"{value:g}" if isinstance(value, float) else str(value)
+        case Reference(name=name, subscripts=subscripts):
+            inside = ",".join(":" if s is None else render(s) for s in subscripts)
+            return f"{name}[{inside}]" if inside else name
+        case Unary(operator=operator, operand=operand):
+            text = ("not " if operator == "not" else operator) + render(operand, 6)
+            return f"({text})" if above > 5 else text
+        case Binary(operator=operator, left=left, right=right):
+            level = _PRECEDENCE[operator]
+            text = f"{render(left, level)} {operator} {render(right, level + 1)}"
+            return f"({text})" if level < above else text
+        case If(branches=branches, otherwise=otherwise):
+            tests = " elseif ".join(f"{render(c)} then {render(v)}" for c, v in branches)
+            text = f"if {tests} else {render(otherwise)}"
+            return f"({text})" if above else text
+        case Call(function=function, arguments=arguments):
+            return f"{function}({', '.join(render(a) for a in arguments)})"
+        case Array(elements=elements):
+            return "{" + ", ".join(render(e) for e in elements) + "}"
+        case Range(start=start, step=step, end=end):
+            return ":".join(render(part, 6) for part in (start, step, end) if part is not None)
+        case Comprehension(element=element, index=index, domain=domain):
+            return f"{{{render(element)} for {index} in {render(domain)}}}"
+
+
+def render_equation(residual: Expression) -> str:
+    """Text of ``residual = 0``, written the way an equation is."""
+    if isinstance(residual, Binary) and residual.operator == "-":
+        return f"{render(residual.left)} = {render(residual.right)}"
+    return f"0 = {render(residual)}"
