@@ -90,9 +90,9 @@ class Fmu:
         self.has_continuous_states = bool(description.derivatives)
         self.log_categories = tuple(category.name for category in description.logCategories)
         self._description = description
-        self._loaded: FMU2Slave | FMU3Slave | None = None
+        self._loaded: list[FMU2Slave | FMU3Slave] = []
         self._folder = tempfile.mkdtemp(prefix="cosim-")
-        self._finalizer = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+        self._finalizer = weakref.finalize(self, _release, self._folder, self._loaded)
 
     @classmethod
     def read(cls, path: Path | str) -> Fmu:
@@ -148,9 +148,9 @@ class Fmu:
         if not self._finalizer.alive:
             raise FmuError("is closed; read it again to use it", file=self.path)
         with _loading:
-            if self._loaded is None:
-                self._loaded = self._load()
-        return self._loaded
+            if not self._loaded:
+                self._loaded.append(self._load())
+        return self._loaded[0]
 
     def _load(self) -> FMU2Slave | FMU3Slave:
         kind = FMU2Slave if self.fmi_version == "2.0" else FMU3Slave
@@ -170,9 +170,6 @@ class Fmu:
 
     def close(self) -> None:
         """Unload the library and remove the temporary folder; no simulation may be using it."""
-        if self._loaded is not None:
-            self._loaded.freeLibrary()
-            self._loaded = None
         self._finalizer()
 
     def __enter__(self) -> Self:
@@ -184,6 +181,12 @@ class Fmu:
     ) -> None:
         """Close the FMU."""
         self.close()
+
+
+def _release(folder: str, loaded: list[FMU2Slave | FMU3Slave]) -> None:
+    while loaded:
+        loaded.pop().freeLibrary()
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def _library_path(description: ModelDescription) -> str:

@@ -8,7 +8,10 @@ from array import array
 from collections.abc import Callable, Sequence
 from ctypes import addressof, c_bool, c_double, c_int, c_size_t, c_uint, c_uint32, c_uint64, c_void_p
 from functools import partial
-from typing import ClassVar
+from typing import ClassVar, NoReturn
+
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import fmi2Terminated
 
 from cosim.engine._fmu import Fmu
 from cosim.engine._log import FAILED, STATUS, Log, fmi2_callbacks
@@ -148,7 +151,7 @@ class Instance(ABC):
             return "it could not finish this step: try a smaller output interval or a looser tolerance"
         return "check its parameters and its inputs at that time, or try another tolerance"
 
-    def fail_to_go_on(self) -> None:
+    def fail_to_go_on(self) -> NoReturn:
         """Raise CallError for a component that asked for the end of the simulation."""
         raise CallError(
             self,
@@ -178,6 +181,17 @@ class Fmi2Instance(Instance):
 
     def _bind_calls(self) -> None:
         self.do_step = self._bind("fmi2DoStep", self.t, self.h, c_int(1))
+
+    def check(self, function: str, status: int) -> None:
+        """Raise CallError as for FMI 3.0; a doStep that returns Discard may also mean that the FMU wants to end."""
+        if function == "DoStep" and status == STATUS.index("Discard"):
+            try:
+                ended = self._slave.getBooleanStatus(fmi2Terminated)
+            except FMICallException:
+                ended = False
+            if ended:
+                self.fail_to_go_on()
+        super().check(function, status)
 
     def getter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
         """Bind fmi2GetReal and its siblings."""

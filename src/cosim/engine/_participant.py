@@ -41,6 +41,7 @@ class InputGroup(NamedTuple):
     ``buffer`` is what the call reads, converted from ``inputs[start:]``; None if it reads those doubles themselves.
     """
 
+    function: str
     call: Call
     start: int
     buffer: Buffer
@@ -50,6 +51,7 @@ class InputGroup(NamedTuple):
 class OutputGroup(NamedTuple):
     """Outputs of one FMI type, read by one call, into ``values[start:]`` or into ``buffer``, as for inputs."""
 
+    function: str
     call: Call
     start: int
     buffer: Buffer
@@ -87,7 +89,7 @@ class Participant:
     def write(self, force: bool = False) -> None:
         """Set the inputs that changed, or all driven ones."""
         values, inputs = self.values, self.inputs
-        for call, start, buffer, wires in self.input_groups:
+        for function, call, start, buffer, wires in self.input_groups:
             changed = force
             for target, source, factor, offset in wires:
                 value = values[source] * factor + offset
@@ -100,14 +102,14 @@ class Participant:
                         buffer[i] = value if buffer.typecode == "f" else int(value)
                 status = call()
                 if status >= FAILED:
-                    self.instance.check("Set, an input,", status)
+                    self.instance.check(function, status)
 
     def read(self) -> None:
         """Read all outputs into the signals."""
-        for call, start, buffer in self.output_groups:
+        for function, call, start, buffer in self.output_groups:
             status = call()
             if status >= FAILED:
-                self.instance.check("Get, an output,", status)
+                self.instance.check(function, status)
             if buffer is not None:
                 for i, value in enumerate(buffer, start):
                     self.values[i] = value

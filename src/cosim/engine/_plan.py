@@ -14,7 +14,7 @@ from typing import Any
 
 from cosim.engine._channels import Line, Schedule, first_value
 from cosim.engine._instance import Instance
-from cosim.engine._order import computing_order
+from cosim.engine._order import continuous_order, discrete_order
 from cosim.engine._participant import Buffer, InputGroup, OutputGroup, Participant, Wire
 from cosim.engine._role import Role, period_of, role_of
 from cosim.engine._system import Channel, Component, System, dotted
@@ -84,8 +84,8 @@ def make_plan(system: System, instances: dict[str, Instance], output_interval: f
         columns=columns,
         ends=list(signals),
         variables={dotted(end): by_name[end[0]].fmu.variables[end[1]] for end in signals},
-        discrete=[participants[c.name] for c in computing_order(discrete, system.connections)],
-        continuous=[participants[c.name] for c in computing_order(continuous, system.connections)],
+        discrete=[participants[c.name] for c in discrete_order(discrete, system.connections)],
+        continuous=[participants[c.name] for c in continuous_order(continuous, system.connections)],
         schedule=Schedule(holds, lines),
         lines=lines,
         coupled=coupled or bool(lines),
@@ -175,7 +175,8 @@ def _input_groups(
         wires = tuple(Wire(target, *sources[component.name, name]) for target, name in enumerate(names, free))
         buffer, address = _memory(instance, fmi_type, inputs, free, len(names))
         references = [component.fmu.variables[name].value_reference for name in names]
-        groups.append(InputGroup(instance.setter(fmi_type, references, address), free, buffer, wires))
+        setter = instance.setter(fmi_type, references, address)
+        groups.append(InputGroup(f"Set{fmi_type}", setter, free, buffer, wires))
         free += len(names)
     return tuple(groups)
 
@@ -188,7 +189,8 @@ def _output_groups(
         start = signals[component.name, names[0]]
         buffer, address = _memory(instance, fmi_type, values, start, len(names))
         references = [component.fmu.variables[name].value_reference for name in names]
-        groups.append(OutputGroup(instance.getter(fmi_type, references, address), start, buffer))
+        getter = instance.getter(fmi_type, references, address)
+        groups.append(OutputGroup(f"Get{fmi_type}", getter, start, buffer))
     return tuple(groups)
 
 

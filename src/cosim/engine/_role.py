@@ -17,7 +17,8 @@ class Role(enum.Enum):
     A component is discrete if its model description lists no continuous state, and either none of its outputs is
     continuous or it has a parameter ``T_compute``. A discrete component with an event mode (FMI 3.0) announces its own
     events; any other discrete component is sampled: its doStep(t, h) executes the sample at t and holds the outputs
-    until t + h, with h = ``T_compute``, or the output interval if it has no such parameter. All else is continuous
+    until t + h, with h = ``T_compute``, or the output interval if it has no such parameter; a
+    change of its inputs in between waits for its next sample. All else is continuous
     and is run without event mode.
     """
 

@@ -40,7 +40,7 @@ def simulate(
     PartialResultError, a SimulationError, if a component fails, and SimulationInterrupted, a KeyboardInterrupt, on
     Ctrl-C: both carry the rows computed until then as ``result``.
     """
-    _check_numbers_given(stop, output_interval, tolerance)
+    _check_arguments(stop, output_interval, tolerance)
     system.check()
     parameters = {component.name: parameters_of(component) for component in system.components}
     roles = roles_of(system)
@@ -74,7 +74,7 @@ def simulate(
             instance.free()
 
 
-def _check_numbers_given(stop: float, output_interval: float, tolerance: float) -> None:
+def _check_arguments(stop: float, output_interval: float, tolerance: float) -> None:
     for name, value, unit in (
         ("stop", stop, " s"),
         ("output_interval", output_interval, " s"),

@@ -1,0 +1,87 @@
+"""Reading FMUs, and what is left behind: nothing."""
+
+from __future__ import annotations
+
+import gc
+import hashlib
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cosim.engine import Component, Connection, Fmu, Role, System, Variable, role_of, simulate
+
+Get = Callable[..., Fmu]
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_description(fmu: Get, fmu_path: Callable[[str, int], Path], version: int) -> None:
+    sampler = fmu("sampler", version)
+    assert sampler.name == "sampler"
+    assert sampler.fmi_version == f"{version}.0"
+    assert sampler.generation_tool == "cosim tests"
+    assert sampler.has_event_mode == (version == 3)
+    assert sampler.path == fmu_path("sampler", version)
+    assert sampler.sha256 == hashlib.sha256(sampler.path.read_bytes()).hexdigest()
+    assert sampler.capabilities["canHandleVariableCommunicationStepSize"] is True
+    assert sampler.variables["u"] == Variable("u", "Real", "input", "continuous", "m", None, 0.0, 1, None)
+    assert sampler.variables["enable"] == Variable("enable", "Boolean", "input", "discrete", None, None, True, 2, None)
+    assert sampler.variables["count"].type == "Integer"
+    assert sampler.variables["side"].literals == ("left", "middle", "right")
+
+
+def test_roles(fmu: Get) -> None:
+    assert role_of(fmu("sampler", 3)) is Role.EVENT
+    assert role_of(fmu("sampler", 2)) is Role.SAMPLED
+    assert role_of(fmu("integrator", 3)) is Role.CONTINUOUS
+    assert role_of(fmu("integrator", 2)) is Role.CONTINUOUS
+
+
+def _folders() -> set[Path]:
+    return set(Path(tempfile.gettempdir()).glob("cosim-*"))
+
+
+def test_the_temporary_folder_goes_with_the_fmu(
+    fmu_path: Callable[[str, int], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    path = fmu_path("integrator", 3)
+    with Fmu.read(path) as opened:
+        simulate(System([Component("p", opened)]), stop=0.1, output_interval=0.1, tolerance=1e-6)
+        assert len(_folders()) == 1
+    assert _folders() == set()
+    opened.close()
+    dropped = Fmu.read(path)
+    assert len(_folders()) == 1
+    del dropped
+    gc.collect()
+    assert _folders() == set()
+
+
+def _resident_bytes() -> int:
+    status = Path("/proc/self/statm")
+    return int(status.read_text().split()[1]) * 4096 if status.exists() else 0
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_five_hundred_runs_in_one_process(
+    fmu_path: Callable[[str, int], Path], version: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    before = 0
+    for k in range(500):
+        with Fmu.read(fmu_path("integrator", version)) as plant, Fmu.read(fmu_path("sampler", version)) as controller:
+            system = System(
+                [Component("plant", plant, {"x0": 1.0}), Component("controller", controller, {"K": -1.0})],
+                [Connection(("plant", "x"), ("controller", "u")), Connection(("controller", "y"), ("plant", "u"))],
+            )
+            result = simulate(system, stop=0.2, output_interval=0.02, tolerance=1e-6)
+        np.testing.assert_allclose(result.columns["plant.x"], 0.98 ** np.arange(11), rtol=1e-12)
+        if k == 100:
+            gc.collect()
+            before = _resident_bytes()
+    gc.collect()
+    assert _folders() == set()
+    assert _resident_bytes() - before < 20e6
