@@ -29,14 +29,15 @@ block VoltageProfile "The source's current-controlled voltage profile, section 3
     "Samples in the moving average [A] T_filter to the nearest tick, at least one";
   final parameter Integer n_delay = integer(floor(T_delay/T_compute + 0.5)) "Ticks of T_delay [A] to the nearest tick";
   output Types.ChartState state(start=Types.ChartState.IDLE, fixed=true) "State of the chart";
-  output Types.Current i_filtered(start=0, fixed=true) "Current that the chart sees: averaged, blanked and held";
-  output Types.Current i_limit(start=1.03*0.58, fixed=true) "Current below which a turning point is taken to be near";
+  output Types.Current i_filtered(start=0, fixed=true) "Moving average of the current, every T_compute";
+  output Types.Current i_limit(start=i_gain*i_no_load, fixed=true) "Current below which a turning point is taken to be near";
   output Types.Time period(start=1, fixed=true) "Half the time between the last two openings of the park contact";
+  discrete Types.Current i_real(start=0, fixed=true) "Current that the chart sees: averaged, held and blanked";
 protected
-  constant Integer N_filter = 1024 "Capacity of the moving average";
-  constant Integer N_window = 256 "Capacity of the sliding minimum";
-  constant Integer N_delay = 64 "Capacity of the delay";
-  constant Real never(unit="A") = 1e9 "A current that is never the least one";
+  constant Integer N_filter = 1024 "Capacity of the moving average, also the literal in `enter`";
+  constant Integer N_window = 256 "Capacity of the sliding minimum, also the literal in `beyond`";
+  constant Integer N_delay = 64 "Capacity of the delay, also the literal in `enter_delay`";
+  constant Types.Current never = 1e9 "A current that is never the least one";
   // A sample enters its shift register at the place from which it reaches the first place when it is due: the length
   // of a register can change from run to run although its capacity is fixed.
   parameter Types.Ratio enter[N_filter] = {if k == n_filter then 1.0 else 0.0 for k in 1:1024}
@@ -46,9 +47,9 @@ protected
   parameter Types.Ratio enter_delay[N_delay] = {if k == n_delay then 1.0 else 0.0 for k in 1:64}
     "Place at which a duty ratio enters the delay [A] follows from n_delay";
   // Time is counted in whole ticks of T_compute, so that a ramp takes exactly T_ramp/T_compute of them after any
-  // number of ticks. Times are compared with a quarter of a tick to spare: `period` is a multiple of half a tick, and
-  // rounding must not move a decision by one.
-  constant Types.Ratio spare = 0.25 "Part of a tick by which times may differ from rounding";
+  // number of ticks. Two times closer than `same` are one, because rounding must not move a decision by a tick; it is
+  // far less than a tick, since `period` is a multiple of half a tick only.
+  constant Types.Time same = 1e-9 "Times closer than this are one";
   discrete Integer tick(start=-1, fixed=true) "Number of this computation, the first one is 0";
   discrete Integer tick_state(start=0, fixed=true) "Tick at which the state was entered";
   discrete Integer tick_run(start=0, fixed=true) "Tick at which the superstate RUN was entered";
@@ -56,7 +57,6 @@ protected
   discrete Integer hold(start=1, fixed=true) "Ticks until the next sample of the current is due";
   discrete Types.Current samples[N_filter](each start=0, each fixed=true) "Moving average, next to leave first";
   discrete Types.Current total(start=0, fixed=true) "Sum of the samples in the moving average";
-  discrete Types.Current i_mean(start=0, fixed=true) "Moving average of the current";
   discrete Types.Current window[N_window](each start=0, each fixed=true) "Samples for the minimum, newest first";
   discrete Boolean due(start=false, fixed=true) "True when a sample of the current is due";
   discrete Boolean closed(start=true, fixed=true) "State of the park contact";
@@ -68,7 +68,7 @@ protected
   discrete Boolean turn_near(start=false, fixed=true) "True when the turning point is predicted";
   discrete Boolean end_near(start=false, fixed=true) "True when the end of the revolution is predicted";
   discrete Boolean turned(start=false, fixed=true) "True once the turning point has been passed: ro of figure 3.11";
-  discrete Boolean at_park(start=false, fixed=true) "True if the park contact ended the revolution";
+  discrete Boolean at_park(start=false, fixed=true) "True if the park contact closed at the entry into Soft_stop, or since";
   discrete Types.Time elapsed(start=0, fixed=true) "Time since the state was entered";
   discrete Types.Ratio y(start=0, fixed=true) "Output of the chart";
   discrete Types.Ratio floored(start=0, fixed=true) "Output of the chart, not below duty_min while running";
@@ -86,13 +86,13 @@ equation
     // Current: moving average of the analogue input at T_compute, ...
     samples = cat(1, pre(samples[2:N_filter]), {0.0}) + enter*i_motor;
     total = pre(total) + i_motor - pre(samples[1]);
-    i_mean = if n_filter == 1 then i_motor else total/n_filter;
+    i_filtered = if n_filter == 1 then i_motor else total/n_filter;
     // ... held for T_sample, zero for the first T_blank, ...
     due = pre(hold) <= 1;
     hold = if due then n_hold else pre(hold) - 1;
-    i_filtered = if not due then pre(i_filtered) elseif tick < T_blank/T_compute - spare then 0 else i_mean;
+    i_real = if not due then pre(i_real) elseif tick < (T_blank - same)/T_compute then 0 else i_filtered;
     // ... and the threshold from the sliding minimum over the last n_window samples of T_sample.
-    window = if due then cat(1, {i_filtered}, pre(window[1:N_window - 1])) else pre(window);
+    window = if due then cat(1, {i_real}, pre(window[1:N_window - 1])) else pre(window);
     i_limit = i_gain*max(min(window + beyond), i_no_load);
 
     // Period: half the time between two falling edges of park; what no motor can reach is replaced.
@@ -101,16 +101,16 @@ equation
     closed = park;
     tick_open = if opens then tick else pre(tick_open);
     measured = if opens then (tick - pre(tick_open))*T_compute/2 else pre(measured);
-    period = if measured < T_least then T_default else measured;
+    period = if measured < T_least - same then T_default else measured;
 
     // Chart, figure 3.11: conditions. The contact on which the revolution began is ignored until it has opened: only
     // its closing counts.
     running = pre(state) == Types.ChartState.RUN or pre(state) == Types.ChartState.turn_point_dec
       or pre(state) == Types.ChartState.turn_point_acc;
-    ramp_over = tick - pre(tick_state) > T_ramp/T_compute - spare;
-    turn_near = tick - pre(tick_state) > (period - 2*T_ramp)/T_compute + spare and not pre(turned)
-      and i_filtered < i_limit;
-    end_near = tick - pre(tick_run) > (2*period - 2*T_ramp)/T_compute + spare and pre(turned);
+    ramp_over = tick - pre(tick_state) > (T_ramp - same)/T_compute;
+    turn_near = tick - pre(tick_state) > (period - 2*T_ramp + same)/T_compute and not pre(turned)
+      and i_real < i_limit;
+    end_near = tick - pre(tick_run) > (2*period - 2*T_ramp + same)/T_compute and pre(turned);
     // Transitions. Those out of the superstate RUN come first, the park contact before the prediction. Once enable has
     // fallen, the prediction is ignored: the wiper runs on to the contact, and coasts from there.
     state =
@@ -127,12 +127,12 @@ equation
         (if ramp_over then Types.ChartState.turn_point_acc else Types.ChartState.turn_point_dec)
       elseif pre(state) == Types.ChartState.turn_point_acc then
         (if ramp_over then Types.ChartState.RUN else Types.ChartState.turn_point_acc)
-      elseif tick - pre(tick_state) > stop_ratio*T_ramp/T_compute - spare then
+      elseif tick - pre(tick_state) > (stop_ratio*T_ramp - same)/T_compute then
         // through IDLE and on in the same instant while enabled
         (if (enable and not idle_step) or (not enable and not pre(at_park)) then Types.ChartState.Soft_start
          else Types.ChartState.IDLE)
       else Types.ChartState.Soft_stop;
-    at_park = if running and state == Types.ChartState.Soft_stop then closes else pre(at_park);
+    at_park = if running and state == Types.ChartState.Soft_stop then closes else pre(at_park) or closes;
     // Entry into RUN resets ro, exit from turn_point_dec sets it.
     turned =
       if pre(state) == Types.ChartState.Soft_start and state == Types.ChartState.RUN then false
