@@ -1,0 +1,133 @@
+"""What a run was and what it cost: the content of summary.json."""
+
+from __future__ import annotations
+
+import math
+import platform
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+
+from cosim import __version__
+from cosim.engine import Component, Result, System, Variable
+
+_PROVENANCE = re.compile(r"\[[SA]\].*", re.DOTALL)
+_PACKAGES = ("fmpy", "numpy", "pyarrow")
+
+
+@dataclass(frozen=True)
+class Run:
+    """What was asked for: times in s, ``scenario`` the file's name."""
+
+    stop: float
+    output_interval: float
+    tolerance: float
+    title: str = ""
+    scenario: str = ""
+
+
+def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
+    """Return the summary of a run, ready for JSON: numbers that JSON does not know are texts such as ``inf``.
+
+    ``wall_s`` [s] and ``real_time_factor`` (simulated per elapsed time) are the only entries that differ between two
+    runs of one scenario. ``solver_steps`` and ``rejected_steps`` are sums over the FMUs that publish them, else None.
+    """
+    statistics = result.statistics
+    wall = statistics.get("wall_s")
+    reached = float(result.time[-1]) if len(result.time) else 0.0
+    return {
+        "title": run.title,
+        "scenario": run.scenario,
+        "complete": result.complete,
+        "message": result.message,
+        "stop": run.stop,
+        "reached": reached,
+        "output_interval": run.output_interval,
+        "tolerance": run.tolerance,
+        "rows": len(result.time),
+        "wall_s": wall,
+        "real_time_factor": reached / wall if isinstance(wall, float) and wall > 0 else None,
+        "exchanges": statistics.get("exchanges"),
+        "solver_steps": _total(statistics, "steps"),
+        "rejected_steps": _total(statistics, "rejected_steps"),
+        "events": _events(statistics),
+        "components": {component.name: _component(component, statistics) for component in system.components},
+        "parameters": parameters(system),
+        "enumerations": {name: list(names) for name, names in result.literals.items()},
+        "versions": _versions(),
+    }
+
+
+def parameters(system: System) -> dict[str, dict[str, object]]:
+    """Return every parameter as ``component.name`` with value, unit and provenance.
+
+    The provenance is the part of the FMU's description from ``[S]`` (the source says so, with place) or ``[A]``
+    (assumed, with reason) on; None if it has no such part. ``set`` tells whether the run changed the FMU's own value.
+    """
+    return {
+        f"{component.name}.{variable.name}": _parameter(component, variable)
+        for component in system.components
+        for variable in component.fmu.variables.values()
+        if variable.causality in ("parameter", "structuralParameter")
+    }
+
+
+def _parameter(component: Component, variable: Variable) -> dict[str, object]:
+    value = component.parameters.get(variable.name, variable.start)
+    provenance = _PROVENANCE.search(variable.description or "")
+    return {
+        "value": str(value) if isinstance(value, float) and not math.isfinite(value) else value,
+        "unit": variable.unit,
+        "provenance": provenance[0].strip() if provenance else None,
+        "set": variable.name in component.parameters,
+    }
+
+
+def _component(component: Component, statistics: Mapping[str, object]) -> dict[str, object]:
+    fmu = component.fmu
+    counted = {key: by_name[component.name] for key, by_name in _by_component(statistics) if component.name in by_name}
+    return {
+        "fmu": fmu.path.name,
+        "model": fmu.name,
+        "fmi_version": fmu.fmi_version,
+        "sha256": fmu.sha256,
+        "generation_tool": fmu.generation_tool,
+        **counted,
+    }
+
+
+def _by_component(statistics: Mapping[str, object]) -> list[tuple[str, dict[str, object]]]:
+    return [(key, value) for key, value in statistics.items() if isinstance(value, dict)]
+
+
+def _solver(statistics: Mapping[str, object]) -> dict[str, dict[str, int]]:
+    solver = statistics.get("solver")
+    return solver if isinstance(solver, dict) else {}
+
+
+def _total(statistics: Mapping[str, object], counter: str) -> int | None:
+    counts = [counters[counter] for counters in _solver(statistics).values() if counter in counters]
+    return sum(counts) if counts else None
+
+
+def _events(statistics: Mapping[str, object]) -> int:
+    """Sum up the events that components had in Event Mode and those that FMUs handled inside their own solvers."""
+    handled = statistics.get("events")
+    handed = handled if isinstance(handled, dict) else {}
+    inside = [
+        counters.get("state_events", 0) + counters.get("time_events", 0)
+        for name, counters in _solver(statistics).items()
+        if name not in handed
+    ]
+    return sum(handed.values()) + sum(inside)
+
+
+def _versions() -> dict[str, str]:
+    versions = {"cosim": __version__, "python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            versions[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return versions | {"platform": f"{platform.system()} {platform.machine()}"}

@@ -1,0 +1,43 @@
+"""A run's folder: everything that is written about one run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from cosim.engine import Result, System
+from cosim.errors import InputError
+from cosim.report._plots import FIGURES, plot
+from cosim.report._summary import Run, summarize
+from cosim.report._tables import write_csv, write_parquet
+
+_FILES = ("results.csv", "results.parquet", "summary.json", *(f"{figure}.png" for figure in FIGURES))
+
+
+def clear(folder: Path) -> None:
+    """Make the folder, and remove what an earlier run left in it, so that nothing there belongs to another run.
+
+    Raises `InputError` if the folder cannot be made or written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in _FILES:
+            (folder / name).unlink(missing_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot write results there: {error.strerror}; choose another --out", file=folder) from error
+
+
+def write(result: Result, system: System, run: Run, folder: Path, *, plots: bool = True) -> dict[str, object]:
+    """Write results.csv, results.parquet, summary.json and, if asked, PNG plots into ``folder``; return the summary.
+
+    An incomplete result is written like a complete one; summary.json says ``complete: false`` and why.
+    """
+    summary = summarize(result, system, run)
+    write_csv(result, folder / "results.csv")
+    lasting = ("title", "scenario", "complete", "message", "parameters", "enumerations", "versions")
+    write_parquet(result, folder / "results.parquet", {key: summary[key] for key in lasting})
+    text = json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False)
+    (folder / "summary.json").write_text(text + "\n", encoding="utf-8", newline="\n")
+    if plots:
+        plot(result, folder, run.title)
+    return summary

@@ -1,0 +1,130 @@
+"""A run's folder: the summary, the plots, and that nothing of an earlier run stays."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cosim import __version__
+from cosim.engine import Result, System
+from cosim.errors import InputError
+from cosim.report import Run, clear, plot, summarize, write
+
+RUN = Run(stop=10.0, output_interval=0.01, tolerance=1e-6, title="A run", scenario="x.csv")
+PNG = b"\x89PNG"
+
+
+def test_the_summary(result: Result, system: System) -> None:
+    summary = summarize(result, system, RUN)
+    assert {key: summary[key] for key in ("title", "scenario", "complete", "message")} == {
+        "title": "A run",
+        "scenario": "x.csv",
+        "complete": True,
+        "message": None,
+    }
+    assert (summary["stop"], summary["reached"], summary["rows"]) == (10.0, 10.0, 1001)
+    assert (summary["output_interval"], summary["tolerance"]) == (0.01, 1e-6)
+    assert (summary["wall_s"], summary["real_time_factor"], summary["exchanges"]) == (0.5, 20.0, 10001)
+    assert (summary["solver_steps"], summary["rejected_steps"], summary["events"]) == (12345, 6, 10008)
+    assert summary["enumerations"] == {
+        "controller.state": ["IDLE", "Soft_start", "RUN", "turn_point_dec", "turn_point_acc", "Soft_stop"]
+    }
+    assert summary["components"]["plant"] == {  # type: ignore[index]
+        "fmu": "LinkagePlant.fmu",
+        "model": "LinkagePlant",
+        "fmi_version": "3.0",
+        "sha256": "L" * 64,
+        "generation_tool": "cosim",
+        "roles": "continuous",
+        "steps": 10001,
+        "solver": {"steps": 12345, "rejected_steps": 6, "state_events": 7, "time_events": 0},
+    }
+    assert summary["versions"]["cosim"] == __version__  # type: ignore[index]
+
+
+def test_every_parameter_has_value_unit_and_provenance(result: Result, system: System) -> None:
+    assert summarize(result, system, RUN)["parameters"] == {
+        "plant.ext_load": {"value": 4.0, "unit": "N.m", "provenance": "[S] table 3.2", "set": True},
+        "plant.J_rotor": {"value": 1e-4, "unit": "kg.m2", "provenance": "[A] 70 W-class motor", "set": False},
+        "plant.i_max": {"value": "inf", "unit": "A", "provenance": None, "set": False},
+        "controller.T_sample": {"value": 0.02, "unit": "s", "provenance": "[S] 3.5", "set": False},
+    }
+
+
+def test_the_summary_without_statistics(system: System) -> None:
+    summary = summarize(Result(np.empty(0), {}, complete=False, message="it failed"), system, RUN)
+    assert (summary["complete"], summary["message"], summary["reached"]) == (False, "it failed", 0.0)
+    assert (summary["wall_s"], summary["real_time_factor"], summary["solver_steps"]) == (None, None, None)
+
+
+def test_a_folder(result: Result, system: System, tmp_path: Path) -> None:
+    summary = write(result, system, RUN, tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "detail.png",
+        "motion.png",
+        "others.png",
+        "overview.png",
+        "results.csv",
+        "results.parquet",
+        "summary.json",
+    ]
+    assert json.loads((tmp_path / "summary.json").read_text()) == summary
+
+
+def test_a_failed_run_keeps_its_rows_and_is_marked(result: Result, system: System, tmp_path: Path) -> None:
+    result.complete, result.message = False, "the simulation failed at t = 10 s"
+    write(result, system, RUN, tmp_path, plots=False)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert (summary["complete"], summary["message"]) == (False, "the simulation failed at t = 10 s")
+    assert len((tmp_path / "results.csv").read_text().splitlines()) == 1 + 1001
+
+
+def test_clear_removes_the_files_of_an_earlier_run_only(result: Result, system: System, tmp_path: Path) -> None:
+    folder = tmp_path / "results" / "x"
+    clear(folder)
+    write(result, system, RUN, folder)
+    (folder / "notes.txt").touch()
+    clear(folder)
+    assert [path.name for path in folder.iterdir()] == ["notes.txt"]
+
+
+def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError) as error:
+        clear(tmp_path / "file" / "x")
+    assert str(error.value) == (
+        f"{tmp_path / 'file' / 'x'}: cannot write results there: Not a directory; choose another --out"
+    )
+
+
+def test_plots_of_a_drive(result: Result, tmp_path: Path) -> None:
+    paths = plot(result, tmp_path, "A run")
+    assert [path.name for path in paths] == ["overview.png", "detail.png", "motion.png", "others.png"]
+    assert all(path.read_bytes().startswith(PNG) for path in paths)
+
+
+def test_a_short_run_has_no_detail(result: Result, tmp_path: Path) -> None:
+    short = Result(result.time[:500], {name: values[:500] for name, values in result.columns.items()})
+    assert "detail.png" not in [path.name for path in plot(short, tmp_path)]
+
+
+def test_plots_of_any_other_system(tmp_path: Path) -> None:
+    time = np.linspace(0, 1, 11)
+    columns = {f"tank.h{index}": time * index for index in range(9)} | {"tank.q": time, "tank.n": time.astype(int)}
+    units = {name: "m" for name in columns if ".h" in name} | {"tank.q": "strange/unit/here"}
+    assert [path.name for path in plot(Result(time, columns, units), tmp_path)] == ["overview.png"]
+
+
+def test_nothing_to_draw(tmp_path: Path) -> None:
+    assert plot(Result(np.array([0.0]), {"a.x": np.array([1.0])}), tmp_path) == []
+    assert plot(Result(np.array([0.0, 1.0]), {}), tmp_path) == []
+
+
+def test_plots_and_parquet_are_imported_only_when_used() -> None:
+    code = "import sys, cosim.report; assert not {'matplotlib', 'pyarrow', 'pandas'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
