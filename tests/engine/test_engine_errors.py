@@ -25,18 +25,22 @@ from cosim.errors import FmuError, InputError, SimulationError
 Get = Callable[..., Fmu]
 
 
-def refuse(system: System, kind: type[InputError] = InputError, **options: float) -> str:
-    given = {"stop": 0.1, "output_interval": 0.01, "tolerance": 1e-6} | options
+def refuse(
+    system: System,
+    kind: type[InputError] = InputError,
+    stop: float = 0.1,
+    output_interval: float = 0.01,
+    tolerance: float = 1e-6,
+) -> str:
     with pytest.raises(InputError) as caught:
-        simulate(system, **given)
+        simulate(system, stop=stop, output_interval=output_interval, tolerance=tolerance)
     assert type(caught.value) is kind
     return str(caught.value)
 
 
-def fail(system: System, **options: float) -> PartialResultError:
-    given = {"stop": 0.1, "output_interval": 0.01, "tolerance": 1e-6} | options
+def fail(system: System) -> PartialResultError:
     with pytest.raises(SimulationError) as caught:
-        simulate(system, **given)
+        simulate(system, stop=0.1, output_interval=0.01, tolerance=1e-6)
     assert isinstance(caught.value, PartialResultError)
     assert not caught.value.result.complete
     assert caught.value.result.message == str(caught.value)
@@ -309,6 +313,19 @@ def test_a_sample_period_of_nothing_in_event_mode(fmu: Get) -> None:
         "the simulation failed at t = 0 s: c (sampler): announces its next event at 0 s, which is not after the "
         "present one; the FMU gave no reason; check its sample period"
     )
+
+
+def test_an_event_that_never_settles(fmu: Get) -> None:
+    error = fail(System([Component("c", fmu("sampler"), {"updates": 1000})]))
+    assert str(error) == (
+        "the simulation failed at t = 0 s: c (sampler): still needs to update its discrete states after 100 updates; "
+        "the FMU gave no reason; break the cycle of events inside it"
+    )
+
+
+def test_a_parameter_beyond_the_range_of_its_type(fmu: Get) -> None:
+    system = System([Component("c", fmu("sampler"), {"updates": 2**31})])
+    assert refuse(system, FmuError) == "c.updates: 2147483648 does not fit; it is an Int32"
 
 
 def test_an_interrupted_run_keeps_its_rows(fmu: Get) -> None:

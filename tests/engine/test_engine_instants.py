@@ -124,6 +124,23 @@ def test_instants_closer_than_a_nanosecond_are_one(fmu: Get) -> None:
     assert result.time[3] == 0.3
 
 
+def test_events_may_take_several_updates(fmu: Get) -> None:
+    system = feedback(fmu, period=0.02)
+    system.components[1].parameters["updates"] = 3
+    result = run(system, stop=0.1, interval=0.02)
+    np.testing.assert_allclose(result.columns["plant.x"], (1.0 - 4.0 * 0.02) ** np.arange(6), rtol=1e-12)
+    assert result.columns["controller.events"].tolist() == [1, 2, 3, 4, 5, 6]
+
+
+def test_events_that_are_not_announced_are_found_at_the_next_point(fmu: Get) -> None:
+    system = feedback(fmu, period=0.02)
+    system.components[1].parameters["silent"] = True
+    result = run(system, stop=0.1, interval=0.005)
+    assert result.columns["controller.events"].tolist() == [1 + k // 4 for k in range(21)]
+    np.testing.assert_allclose(result.columns["plant.x"][::4], (1.0 - 4.0 * 0.02) ** np.arange(6), rtol=1e-12)
+    assert result.statistics["exchanges"] == 6
+
+
 def test_two_controllers_with_their_own_periods(fmu: Get) -> None:
     system = System(
         [

@@ -48,6 +48,8 @@ SAMPLER = Model(
         Described("enable", 2, "input", "discrete", "Boolean", start="true"),
         Described("T_compute", 3, "parameter", "fixed", start="0.02", unit="s"),
         Described("K", 4, "parameter", "tunable", start="1"),
+        Described("updates", 11, "parameter", "fixed", "Int32", start="0"),
+        Described("silent", 12, "parameter", "fixed", "Boolean", start="false"),
         Described("y", 5, "output", "discrete", unit="m/s", depends=("u", "enable")),
         Described("t_sample", 6, "output", "discrete", unit="s"),
         Described("count", 7, "output", "discrete", "Int32"),

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT-0
  *
  * Samples its input every T_compute: y = K u(t_k), and says when and how often it did, and how many events it saw.
- * FMI 3.0: time events in Event Mode. FMI 2.0: doStep(t, h) executes the sample at t.
+ * FMI 3.0: time events in Event Mode, each handled in 1 + updates passes, and, if silent, reported but not announced. FMI 2.0: doStep(t, h) executes the sample at t.
  */
 #include "shell.h"
 
-enum { U = 1, ENABLE, T, K, Y, T_SAMPLE, COUNT, EVENTS, SIDE, ENABLED };
+enum { U = 1, ENABLE, T, K, Y, T_SAMPLE, COUNT, EVENTS, SIDE, ENABLED, UPDATES, SILENT, DONE };
 
 static void start(Model *m) {
     m->v[T] = 0.02;
@@ -24,6 +24,11 @@ static void sample(Model *m) {
 }
 
 static int event(Model *m) {
+    m->silent = m->v[SILENT] != 0.0;
+    m->v[DONE] += 1.0;
+    m->update_needed = m->v[DONE] <= m->v[UPDATES];
+    if (m->update_needed) return OK;
+    m->v[DONE] = 0.0;
     m->v[EVENTS] += 1.0;
     m->v[ENABLED] = m->v[ENABLE];
     if (m->time >= m->next_event - 1e-12) {

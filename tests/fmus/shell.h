@@ -20,6 +20,8 @@ typedef struct {
     double time;
     double next_event; /* infinite: none */
     bool terminate;
+    bool update_needed; /* event() is to be called again */
+    bool silent;        /* events are not announced, only reported when they have come */
     bool event_mode_used;
     void *environment;
     void *logger;
@@ -151,10 +153,11 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *needed, fmi3Boo
                                     fmi3Boolean *states, fmi3Boolean *defined, fmi3Float64 *next) {
     Model *m = c;
     const int status = event(m);
-    *needed = *nominals = *states = false;
+    *needed = m->update_needed;
+    *nominals = *states = false;
     *terminate = m->terminate;
-    *defined = isfinite(m->next_event);
-    *next = m->next_event;
+    *defined = isfinite(m->next_event) && !m->silent;
+    *next = *defined ? m->next_event : 0.0;
     return (fmi3Status)status;
 }
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean final, fmi3Boolean *event_needed,

@@ -47,6 +47,7 @@ class Instance(ABC):
     """
 
     type_codes: ClassVar[dict[str, str]]
+    enumeration_type: ClassVar[str]
     do_step: Call
     enter_event: Call
     enter_step: Call
@@ -109,22 +110,29 @@ class Instance(ABC):
         bare.restype = c_int
         return partial(bare, c_void_p(self._slave.component), *arguments)
 
+    def accessed_as(self, fmi_type: str) -> str:
+        """Return the type whose functions read and set variables of an FMI type."""
+        return self.enumeration_type if fmi_type == "Enumeration" else fmi_type
+
     def set_value(self, name: str, value: Value) -> None:
         """Set one variable by name, before or in Initialization Mode."""
         variable, fmi_type = self.fmu.variables[name], self.fmu.fmi_types[name]
         if isinstance(value, str):
             self.once(f"SetString({name})", partial(self.set_string, variable.value_reference, value))
             return
-        buffer = array(self.type_codes[fmi_type], [value if variable.type == "Real" else int(value)])
+        try:
+            buffer = array(self.type_codes[fmi_type], [value if variable.type == "Real" else int(value)])
+        except OverflowError as error:
+            raise FmuError(f"{self.name}.{name}: {value} does not fit; it is an {fmi_type}") from error
         call = self.setter(fmi_type, [variable.value_reference], buffer.buffer_info()[0])
-        self.check(f"Set{fmi_type}({name})", call())
+        self.check(f"Set{self.accessed_as(fmi_type)}({name})", call())
 
     def get_value(self, name: str) -> float:
         """Return one number by name."""
         variable, fmi_type = self.fmu.variables[name], self.fmu.fmi_types[name]
         buffer = array(self.type_codes[fmi_type], [0])
         call = self.getter(fmi_type, [variable.value_reference], buffer.buffer_info()[0])
-        self.check(f"Get{fmi_type}({name})", call())
+        self.check(f"Get{self.accessed_as(fmi_type)}({name})", call())
         return buffer[0]
 
     def once(self, function: str, call: Callable[[], object]) -> None:
@@ -139,10 +147,12 @@ class Instance(ABC):
         if status >= FAILED:
             self._fatal = status == STATUS.index("Fatal")
             name = STATUS[status] if status < len(STATUS) else str(status)
-            raise CallError(self, f"fmi{self.fmu.fmi_version[0]}{function} returned {name}", self._remedy(status))
+            raise CallError(
+                self, f"fmi{self.fmu.fmi_version[0]}{function} returned {name}", self._remedy(function, status)
+            )
 
-    def _remedy(self, status: int) -> str:
-        if not self.fmu.capabilities["canHandleVariableCommunicationStepSize"]:
+    def _remedy(self, function: str, status: int) -> str:
+        if function == "DoStep" and not self.fmu.capabilities["canHandleVariableCommunicationStepSize"]:
             return (
                 "it accepts steps of one length only: choose an output interval on which all samples and steps of the "
                 "channels fall"
@@ -174,6 +184,7 @@ class Instance(ABC):
 class Fmi2Instance(Instance):
     """An FMI 2.0 instance; it has no event mode."""
 
+    enumeration_type = "Integer"
     type_codes: ClassVar[dict[str, str]] = {"Real": "d", "Integer": "i", "Boolean": "i", "Enumeration": "i"}
 
     def _instantiate(self, event_mode: bool, logging: bool) -> None:
@@ -203,7 +214,7 @@ class Fmi2Instance(Instance):
 
     def _access(self, verb: str, fmi_type: str, references: Sequence[int], address: int) -> Call:
         count = len(references)
-        kind = "Integer" if fmi_type == "Enumeration" else fmi_type
+        kind = self.accessed_as(fmi_type)
         return self._bind(f"fmi2{verb}{kind}", (c_uint * count)(*references), c_size_t(count), c_void_p(address))
 
     def set_string(self, reference: int, value: str) -> None:
@@ -220,6 +231,7 @@ class Fmi2Instance(Instance):
 class Fmi3Instance(Instance):
     """An FMI 3.0 instance."""
 
+    enumeration_type = "Int64"
     type_codes: ClassVar[dict[str, str]] = {
         "Float64": "d",
         "Float32": "f",
@@ -263,7 +275,7 @@ class Fmi3Instance(Instance):
 
     def _access(self, verb: str, fmi_type: str, references: Sequence[int], address: int) -> Call:
         count = len(references)
-        kind = "Int64" if fmi_type == "Enumeration" else fmi_type
+        kind = self.accessed_as(fmi_type)
         size = c_size_t(count)
         return self._bind(f"fmi3{verb}{kind}", (c_uint * count)(*references), size, c_void_p(address), size)
 

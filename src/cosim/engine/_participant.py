@@ -98,11 +98,21 @@ class Participant:
                     changed = True
             if changed:
                 if buffer is not None:
-                    for i, value in enumerate(inputs[start : start + len(buffer)]):
-                        buffer[i] = value if buffer.typecode == "f" else int(value)
+                    self._convert(buffer, start)
                 status = call()
                 if status >= FAILED:
                     self.instance.check(function, status)
+
+    def _convert(self, buffer: array[Any], start: int) -> None:
+        for i, value in enumerate(self.inputs[start : start + len(buffer)]):
+            try:
+                buffer[i] = value if buffer.typecode == "f" else int(value)
+            except OverflowError as error:
+                raise CallError(
+                    self.instance,
+                    f"cannot take {value:.17g}: its input is an integer of {8 * buffer.itemsize} bits",
+                    "drive it within its range",
+                ) from error
 
     def read(self) -> None:
         """Read all outputs into the signals."""

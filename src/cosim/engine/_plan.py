@@ -176,7 +176,7 @@ def _input_groups(
         buffer, address = _memory(instance, fmi_type, inputs, free, len(names))
         references = [component.fmu.variables[name].value_reference for name in names]
         setter = instance.setter(fmi_type, references, address)
-        groups.append(InputGroup(f"Set{fmi_type}", setter, free, buffer, wires))
+        groups.append(InputGroup(f"Set{instance.accessed_as(fmi_type)}", setter, free, buffer, wires))
         free += len(names)
     return tuple(groups)
 
@@ -190,7 +190,7 @@ def _output_groups(
         buffer, address = _memory(instance, fmi_type, values, start, len(names))
         references = [component.fmu.variables[name].value_reference for name in names]
         getter = instance.getter(fmi_type, references, address)
-        groups.append(OutputGroup(f"Get{fmi_type}", getter, start, buffer))
+        groups.append(OutputGroup(f"Get{instance.accessed_as(fmi_type)}", getter, start, buffer))
     return tuple(groups)
 
 

@@ -16,10 +16,10 @@ class Role(enum.Enum):
 
     A component is discrete if its model description lists no continuous state, and either none of its outputs is
     continuous or it has a parameter ``T_compute``. A discrete component with an event mode (FMI 3.0) announces its own
-    events; any other discrete component is sampled: its doStep(t, h) executes the sample at t and holds the outputs
-    until t + h, with h = ``T_compute``, or the output interval if it has no such parameter; a
-    change of its inputs in between waits for its next sample. All else is continuous
-    and is run without event mode.
+    events. Any other discrete component that has inputs is sampled: its doStep(t, h) executes the sample at t and holds
+    the outputs until t + h, with h = ``T_compute``, or the output interval if it has no such parameter; a change of its
+    inputs in between waits for its next sample. All else is continuous and is run without event mode: the outputs
+    after doStep(t, h) are those at t + h.
     """
 
     EVENT = "event"
@@ -33,7 +33,10 @@ def role_of(fmu: Fmu) -> Role:
     all_discrete = bool(outputs) and all(variable.variability != "continuous" for variable in outputs)
     if fmu.has_continuous_states or not (all_discrete or _has_period(fmu)):
         return Role.CONTINUOUS
-    return Role.EVENT if fmu.has_event_mode else Role.SAMPLED
+    if fmu.has_event_mode:
+        return Role.EVENT
+    has_inputs = any(variable.causality == "input" for variable in fmu.variables.values())
+    return Role.SAMPLED if has_inputs else Role.CONTINUOUS
 
 
 def period_of(component: Component, output_interval: float) -> float:

@@ -169,3 +169,6 @@ def _check_table(channel: Channel, target: Variable) -> None:
         raise InputError(f"channel {name}: a {target.type} takes whole numbers only")
     if target.type == "Boolean" and any(value not in (0, 1) for value in channel.values):
         raise InputError(f"channel {name}: a Boolean takes 0 and 1 only")
+    if target.literals and not all(1 <= value <= len(target.literals) for value in channel.values):
+        names = ", ".join(f"{i} {literal}" for i, literal in enumerate(target.literals, 1))
+        raise InputError(f"channel {name}: an Enumeration takes its numbers only: {names}")
