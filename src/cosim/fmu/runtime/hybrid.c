@@ -139,6 +139,15 @@ static int count_state_event(Simulation *m)
                            simulation_changing_relations(m, text, sizeof text));
 }
 
+static void note_state_event(const Simulation *m)
+{
+    if (!m->log_events || !m->log) return;
+    char relations[512], text[600];
+    simulation_changing_relations(m, relations, sizeof relations);
+    snprintf(text, sizeof text, "State event at t = %.12g s: %s", m->s.t, relations);
+    m->log(m->log_context, LOG_EVENT, text);
+}
+
 static void move_to(Simulation *m, double theta, double to)
 {
     State *s = &m->s;
@@ -161,6 +170,7 @@ Advance simulation_advance(Simulation *m, double to, int stop_at_events)
         int event = simulation_find_event(m, &theta);
         move_to(m, theta, to);
         if (event) {
+            note_state_event(m);
             if (!simulation_solve_algebraic(m, s->t, s->v) || !count_state_event(m)) return ADVANCE_FAILED;
             s->event_due = 1;
             if (stop_at_events) return ADVANCE_EVENT;

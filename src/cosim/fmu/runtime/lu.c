@@ -11,15 +11,16 @@ int lu_factor(int n, double *A, int *pivots)
         for (int i = k + 1; i < n; i++)
             if (fabs(column[i]) > fabs(column[pivot])) pivot = i;
         pivots[k] = pivot;
-        /* Written so that a NaN counts as singular. */
-        if (!(fabs(column[pivot]) > 0.0) || isinf(column[pivot])) return k + 1;
+        /* Kept inverted: a division in lu_solve would cost more than the rest of its row. */
+        double inverse = 1.0 / column[pivot];
+        if (!isfinite(inverse) || inverse == 0.0) return k + 1;
         if (pivot != k)
             for (int j = 0; j < n; j++) {
                 double swapped = A[j * n + k];
                 A[j * n + k] = A[j * n + pivot];
                 A[j * n + pivot] = swapped;
             }
-        double inverse = 1.0 / column[k];
+        column[k] = inverse;
         for (int i = k + 1; i < n; i++) column[i] *= inverse;
         for (int j = k + 1; j < n; j++) {
             double *updated = A + j * n;
@@ -49,7 +50,7 @@ void lu_solve(int n, const double *A, const int *pivots, double *b)
     for (int k = n - 1; k >= 0; k--) {
         const double *column = A + k * n;
         if (b[k] == 0.0) continue;
-        double value = b[k] /= column[k];
+        double value = b[k] *= column[k];
         for (int i = 0; i < k; i++) b[i] -= column[i] * value;
     }
 }

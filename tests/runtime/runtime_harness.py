@@ -46,10 +46,15 @@ def write_sizes(model: Path, folder: Path) -> None:
     sizes = dict.fromkeys(SIZES, "0")
     line = re.search(r"sizes:(.*)", model.read_text())
     assert line, f"{model} has no line 'sizes:'"
-    sizes.update(item.split("=") for item in line.group(1).split())
+    sizes.update(re.findall(r"(\w+)=(\d+)", line.group(1)))
     lines = [f"#define MODEL_{name} {value}" for name, value in sizes.items()]
     lines += [f'#define MODEL_TOKEN "{TOKEN}"', f'#define MODEL_NAME "{model.stem}"']
     (folder / "model_sizes.h").write_text("\n".join(lines) + "\n")
+
+
+def library_of(name: str, folder: Path) -> Path:
+    """Where the FMU folder of a sample has its shared library."""
+    return folder / "binaries" / str(platform_tuple) / f"{name}{sharedLibraryExtension}"
 
 
 def build(name: str, folder: Path, command: list[str], *flags: str) -> Path:
@@ -57,7 +62,7 @@ def build(name: str, folder: Path, command: list[str], *flags: str) -> Path:
     model = HERE / "models" / f"{name}.c"
     folder.mkdir(parents=True, exist_ok=True)
     write_sizes(model, folder)
-    library = folder / "binaries" / platform_tuple / f"{name}{sharedLibraryExtension}"
+    library = library_of(name, folder)
     library.parent.mkdir(parents=True, exist_ok=True)
     includes = ["-isystem", HEADERS, "-I", RUNTIME, "-I", folder, "-I", model.parent]
     flags = ("-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-std=c11", *flags)
@@ -74,7 +79,7 @@ def built(name: str) -> Path:
     sources = [HERE / "models" / f"{name}.c", HERE / "models" / "sample.h", *sorted(RUNTIME.glob("*.[ch]"))]
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources) + HEADERS.as_posix().encode()).hexdigest()
     folder = Path(tempfile.gettempdir()) / "cosim-runtime-tests" / f"{name}-{digest[:16]}"
-    library = folder / "binaries" / platform_tuple / f"{name}{sharedLibraryExtension}"
+    library = library_of(name, folder)
     if not library.exists():
         with tempfile.TemporaryDirectory() as scratch:
             build(name, Path(scratch), compiler(), "-O2")
@@ -110,7 +115,7 @@ class FmiError(Exception):
 
 
 class Sample:
-    """An instance of a sample model. Every method calls one FMI function and raises FmiError if it does not return OK."""
+    """An instance of a sample model; its methods call FMI functions and raise FmiError if one does not return OK."""
 
     def __init__(
         self,
@@ -124,7 +129,7 @@ class Sample:
     ) -> None:
         self.log: list[str] = []
         self._callback = fmi3LogMessageCallback(lambda _env, _status, _category, text: self.log.append(text.decode()))
-        library = (folder or built(name)) / "binaries" / platform_tuple / f"{name}{sharedLibraryExtension}"
+        library = library_of(name, folder or built(name))
         self.dll = CDLL(str(library))
         instantiate = self.dll.fmi3InstantiateCoSimulation
         instantiate.restype = c_void_p
@@ -137,7 +142,7 @@ class Sample:
         self.instance = c_void_p(instance)
         self.time = 0.0
 
-    def call(self, function: str, *arguments: Any) -> None:
+    def call(self, function: str, *arguments: object) -> None:
         """Call an FMI function with the instance and these arguments."""
         self.log.clear()
         status = getattr(self.dll, function)(self.instance, *arguments)
@@ -189,7 +194,7 @@ class Sample:
         assert not need.value
         return Update(terminate.value, values.value, time.value if defined.value else None)
 
-    def get(self, *references: int, kind: str = "Float64") -> Any:
+    def get(self, *references: int, kind: str = "Float64") -> Any:  # noqa: ANN401
         """The value, or a list of the values if there are several references."""
         values = (KINDS[kind] * len(references))()
         n = len(references)

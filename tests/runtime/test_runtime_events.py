@@ -1,0 +1,229 @@
+"""State events, sample clocks and the two ways to handle them."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import pytest
+from runtime_harness import FmiError, Sample
+from scipy.optimize import brentq
+
+GRAVITY = 9.81
+
+
+def bounce_times(restitution: float, height: float, n: int) -> list[float]:
+    """Closed form: each flight lasts 2 v / g, each bounce multiplies v by the restitution."""
+    times = [math.sqrt(2.0 * height / GRAVITY)]
+    speed = GRAVITY * times[0]
+    for _ in range(n - 1):
+        speed *= restitution
+        times.append(times[-1] + 2.0 * speed / GRAVITY)
+    return times
+
+
+def test_bounce_times_are_exact() -> None:
+    """The flight is a parabola, which the method and its dense output represent exactly."""
+    ball = Sample("bouncing_ball", events=True, early=True).start(1e-4)
+    ball.update()
+    ball.call("fmi3EnterStepMode")
+    found: list[float] = []
+    while len(found) < 10:
+        if not ball.step(0.4).event:
+            continue
+        bounces = ball.get(5, kind="Int32")
+        ball.call("fmi3EnterEventMode")
+        assert ball.get(5, kind="Int32") == bounces
+        update = ball.update()
+        ball.call("fmi3EnterStepMode")
+        assert update.reinitialised == (ball.get(5, kind="Int32") > bounces)
+        if update.reinitialised:
+            found.append(ball.time)
+    assert found == pytest.approx(bounce_times(0.8, 1.0, 10), abs=1e-12)
+
+
+def test_bounces_inside_a_step_are_handled_there() -> None:
+    ball = Sample("bouncing_ball").start(1e-6)
+    times = bounce_times(0.8, 1.0, 9)
+    ball.step_to(0.5 * (times[7] + times[8]))
+    assert ball.get(5, kind="Int32") == 8
+    flight = 0.5 * (times[8] - times[7])
+    assert ball.get(1) == pytest.approx(0.5 * GRAVITY * flight**2, abs=1e-10)
+    assert ball.get(2) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_endless_bounces_are_refused() -> None:
+    ball = Sample("bouncing_ball").start(1e-6)
+    with pytest.raises(FmiError, match=r"At t = 4\.06\d* s the model chatters: .* 'v < 0'\. Smooth"):
+        ball.step(10.0)
+
+
+def rectifier_current(t: float, since: float, omega: float, r: float, inductance: float) -> float:
+    """L i' + R i = sin(omega t) with i = 0 at the time since."""
+    z, phase, tau = math.hypot(r, omega * inductance), math.atan2(omega * inductance, r), inductance / r
+    return (math.sin(omega * t - phase) - math.sin(omega * since - phase) * math.exp(-(t - since) / tau)) / z
+
+
+def test_rectifier_conducts_until_the_angle_of_extinction() -> None:
+    omega, r, inductance = 314.0, 1.0, 0.01
+    period = 2.0 * math.pi / omega
+    off = brentq(lambda t: rectifier_current(t, 0.0, omega, r, inductance), 0.5 * period, 0.999 * period)
+    sample = Sample("rectifier", events=True, early=True).start(1e-9)
+    sample.update()
+    sample.call("fmi3EnterStepMode")
+    times = []
+    while sample.time < 2.4 * period:
+        if sample.step_to(2.4 * period).event:
+            times.append(sample.time)
+            sample.call("fmi3EnterEventMode")
+            sample.update()
+            sample.call("fmi3EnterStepMode")
+    for extinction in (off, off + period):
+        assert min(abs(t - extinction) for t in times) < 1e-10
+    assert sample.get(1) == pytest.approx(rectifier_current(2.4 * period, 2.0 * period, omega, r, inductance), abs=1e-7)
+
+
+@pytest.mark.parametrize("level", [0.999, 0.9999, 0.99999])
+def test_short_excursions_are_not_lost(level: float) -> None:
+    """x = cos t rises above the level once per period, for a small part of a step only."""
+    sample = Sample("excursion").start(1e-6, v3=level)
+    sample.step(20.0 * 2.0 * math.pi + 1.0)
+    assert sample.get(4, kind="Int32") == 20
+
+
+def test_relation_of_an_algebraic_unknown() -> None:
+    """z1 falls through 0.5, where the equation for it jumps: the state then is x = 0.5^3 + 0.5 - 0.1."""
+    sample = Sample("algebraic", events=True, early=True).start(1e-7)
+    sample.update()
+    sample.call("fmi3EnterStepMode")
+    assert sample.step(5.0).event
+    assert sample.get(2) == pytest.approx(0.5, abs=1e-12)
+    assert sample.get(1) == pytest.approx(0.525, abs=1e-12)
+    sample.call("fmi3EnterEventMode")
+    sample.update()
+    assert sample.get(1) == pytest.approx(0.525, abs=1e-12)
+    assert sample.get(2) < 0.45
+
+
+def test_samples_of_a_step_are_those_at_its_start_and_inside() -> None:
+    sample = Sample("sampler").start(v8=0.1)
+    assert sample.get(2, kind="Int32") == 0
+    for k in range(30):
+        sample.set(1, float(k))
+        sample.step_to((k + 1) * 0.1)
+        assert sample.get(2, kind="Int32") == k + 1
+        assert sample.get(3) == float(k)
+        assert sample.get(4, kind="Boolean") == ((k + 1) % 2 == 1)
+    sample.step_to(4.0)
+    assert sample.get(2, kind="Int32") == 40
+    assert sample.counters(12)["time_events"] == 40
+
+
+def test_held_value_acts_from_its_instant_on() -> None:
+    sample = Sample("sampler").start(v8=0.1)
+    for k in range(10):
+        sample.set(1, float(k))
+        sample.step_to((k + 1) * 0.1)
+    assert sample.get(6) == pytest.approx(sum(range(10)) * 0.1, abs=1e-12)
+
+
+def test_a_million_ticks_do_not_drift() -> None:
+    sample = Sample("sampler").start(v8=1e-3)
+    sample.step_to(1000.0 - 1e-4)
+    assert sample.get(2, kind="Int32") == 1_000_000
+    sample.step_to(1000.0)
+    assert sample.get(2, kind="Int32") == 1_000_000
+    sample.step_to(1000.0 + 1e-4)
+    assert sample.get(2, kind="Int32") == 1_000_001
+
+
+def test_clock_that_starts_later_and_second_clock() -> None:
+    sample = Sample("sampler").start(v8=0.1, v9=0.25, v10=0.2)
+    sample.step_to(0.25)
+    assert sample.get(2, kind="Int32") == 0
+    assert sample.get(5, kind="Int64") == 3  # ticks at 0 and 0.2
+    sample.step_to(0.36)
+    assert sample.get(2, kind="Int32") == 2  # ticks at 0.25 and 0.35
+
+
+def test_simulation_that_starts_late_meets_the_next_tick() -> None:
+    sample = Sample("sampler").start(start=5.03, v8=0.1)
+    sample.step_to(5.1)
+    assert sample.get(2, kind="Int32") == 0
+    sample.step_to(5.15)
+    assert sample.get(2, kind="Int32") == 1
+
+
+def test_event_mode_reads_the_inputs_set_in_it() -> None:
+    sample = Sample("sampler", events=True, early=True).start(v8=0.1)
+    for k in range(30):
+        sample.set(1, 10.0 + k)
+        update = sample.update()
+        assert update.next_time == pytest.approx((k + 1) * 0.1, abs=1e-12)
+        assert sample.get(3) == 10.0 + k
+        assert sample.get(2, kind="Int32") == k + 1
+        sample.update()  # the instant ticks once
+        assert sample.get(2, kind="Int32") == k + 1
+        sample.call("fmi3EnterStepMode")
+        step = sample.step_to((k + 1) * 0.1)
+        assert step.event
+        assert not step.early
+        assert sample.get(2, kind="Int32") == k + 1
+        sample.call("fmi3EnterEventMode")
+
+
+def test_event_mode_stops_at_a_tick_inside_the_step() -> None:
+    sample = Sample("sampler", events=True, early=True).start(v8=0.1)
+    sample.update()
+    sample.call("fmi3EnterStepMode")
+    assert sample.step_to(0.25) == (True, False, True, 0.1)
+    assert sample.get(2, kind="Int32") == 1
+
+
+def test_without_early_return_ticks_inside_are_handled_inside() -> None:
+    sample = Sample("sampler", events=True).start(v8=0.1)
+    sample.update()
+    sample.call("fmi3EnterStepMode")
+    assert sample.step_to(0.25) == (False, False, False, 0.25)
+    assert sample.get(2, kind="Int32") == 3
+    assert sample.step_to(0.4) == (True, False, False, 0.4)
+    assert sample.get(2, kind="Int32") == 4
+
+
+def test_both_modes_give_the_same_trajectory() -> None:
+    plain, stopping = Sample("sampler").start(v8=0.1), Sample("sampler", events=True, early=True).start(v8=0.1)
+    for k in range(20):
+        for sample in (plain, stopping):
+            sample.set(1, math.sin(k))
+        stopping.update()
+        stopping.call("fmi3EnterStepMode")
+        plain.step_to((k + 1) * 0.1)
+        stopping.step_to((k + 1) * 0.1)
+        stopping.call("fmi3EnterEventMode")
+        assert plain.get(3, 6, 7) == stopping.get(3, 6, 7)
+
+
+def test_terminate_ends_the_step() -> None:
+    sample = Sample("faults").start(v2=5)
+    step = sample.step(2.0)
+    assert step.terminate
+    assert step.time == pytest.approx(0.5, abs=1e-12)
+    with pytest.raises(FmiError, match=r"the model has called terminate\(\) at t = 0\.5 s"):
+        sample.step(0.1)
+    sample.call("fmi3Terminate")
+    assert sample.get(1) == pytest.approx(0.5, abs=1e-12)
+
+
+def test_event_notes_are_logged_on_request() -> None:
+    sample = Sample("faults", logging=True).start()
+    sample.step(1.0)
+    assert sample.log == ["State event at t = 0.5 s: 'tank.level > 0.5'"]
+
+
+def test_outputs_without_events_are_continuous() -> None:
+    sample = Sample("oscillator").start(1e-6)
+    energies = [sample.get(8)]
+    for k in range(50):
+        sample.step_to((k + 1) * 0.02)
+        energies.append(sample.get(8))
+    assert all(abs(a - b) < 1e-6 for a, b in pairwise(energies))
