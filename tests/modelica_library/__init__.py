@@ -1,0 +1,1 @@
+"""Tests of modelica/WiperDrive through the front end alone."""
