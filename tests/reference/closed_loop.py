@@ -10,7 +10,7 @@ checks it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -38,8 +38,8 @@ class ClosedLoop:
     states: list[State]
     """The chart's state from each tick on."""
     changes: list[tuple[float, State]]
-    """(time, state entered), the first at the first tick; a state left and entered again in one tick counts."""
-    steps: int = field(default=0)
+    """(time, state entered), the first at tick 0; the IDLE passed between Soft_stop and Soft_start in one tick is none."""
+    steps: int = 0
     """Integration steps taken."""
 
 

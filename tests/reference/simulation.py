@@ -99,7 +99,7 @@ def simulate(
                 raise RuntimeError(f"The reference integration stopped at t = {solution.t[-1]} s: {solution.message}")
             t = float(solution.t[-1])
             rows = rows[times[rows] <= t]
-            if rows.size:
+            if rows.size and solution.sol is not None:
                 states[:, rows] = solution.sol(times[rows])
             state = solution.y[:, -1].copy()
             if solution.status == 1:
@@ -115,10 +115,10 @@ def _table(
     duty, supply, torque = inputs
     rows = []
     for column, t in enumerate(times):
-        # The value that led to t; at the first instant, the one that holds from there.
-        value = (lambda hold, t=t: hold.at(t)) if column == 0 else (lambda hold, t=t: hold.before(t))
+        # The values that led to t; at the first instant, those that hold from there.
+        ratio, voltage, disturbance = (hold.at(t) if column == 0 else hold.before(t) for hold in (duty, supply, torque))
         i, phi, w = (float(x) for x in states[:3, column])
-        rows.append(plant.outputs(i, phi, w, value(duty) * value(supply), value(torque)))
+        rows.append(plant.outputs(i, phi, w, ratio * voltage, disturbance))
     table = {"time": times, **{name: np.array([row[name] for row in rows]) for name in rows[0]}}
     if works:
         table |= {f"work_{name}": states[3 + n] for n, name in enumerate(works)}
