@@ -38,7 +38,7 @@ class ClosedLoop:
     states: list[State]
     """The chart's state from each tick on."""
     changes: list[tuple[float, State]]
-    """(time, state entered), the first at tick 0; the IDLE passed between Soft_stop and Soft_start in one tick is none."""
+    """(time, state entered), the first at tick 0; IDLE passed through within one tick does not count."""
     steps: int = 0
     """Integration steps taken."""
 
