@@ -34,6 +34,7 @@ class _Elimination:
         for name, symbol in system.derivatives.items():
             self._derivatives[name] = symbol.name()
             self._variables[symbol.name()] = symbol
+        self._position = {name: position for position, name in enumerate(system.unknowns)}
         self._root: dict[str, tuple[str, float]] = {}
         self._known: dict[str, SX] = {}
 
@@ -47,9 +48,10 @@ class _Elimination:
     def _stays(self, name: str) -> bool:
         return name in self._system.inputs or name not in self._system.unknowns
 
-    def _rank(self, name: str) -> tuple[int, bool, int]:
+    def _rank(self, name: str) -> tuple[int, bool, int, int]:
+        """Who stays: by the modeller's wish, then by nesting and place, never by what a name looks like."""
         scalar = self._system.unknowns[name]
-        return _PREFERENCE[scalar.state_select], scalar.fixed, -len(name)
+        return _PREFERENCE[scalar.state_select], scalar.fixed, -name.count("."), -self._position[name]
 
     def round(self) -> bool:
         """Take out what is trivial now; true if anything was."""
@@ -181,8 +183,6 @@ class _Elimination:
             if node is not None and root not in self._known:
                 members.setdefault(node, []).append((scalar, sign))
         for node, scalars in members.items():
-            # the shortest name of those the modeller cared most about speaks for all
-            scalars.sort(key=lambda item: (-_PREFERENCE[item[0].state_select], not item[0].fixed, item[0].name.count("."),
-                                           len(item[0].name)))  # fmt: skip
+            scalars.sort(key=lambda item: self._rank(item[0].name), reverse=True)
             chains.names[node] = scalars
         return chains

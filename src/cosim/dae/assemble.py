@@ -34,7 +34,7 @@ def compile_dae(flat: FlatModel) -> Dae:
     selection = select_states(differentiated, _start_point(system, chains, parameters))
     solution = _solve(differentiated, selection, parameters)
     sizes = Sizes(len(system.equations), after_aliases, len(differentiated.equations), differentiated.index)
-    return _Assembly(system, chains, selection, solution).dae(sizes)
+    return _Assembly(system, chains, selection, solution).dae(sizes, parameters)
 
 
 def _default_parameters(system: HybridSystem) -> dict[str, float]:
@@ -89,7 +89,7 @@ class _Assembly:
     def resolve(self, expression: SX) -> SX:
         return substitute(expression, self._values)
 
-    def dae(self, sizes: Sizes) -> Dae:
+    def dae(self, sizes: Sizes, parameters: dict[str, float]) -> Dae:
         system, chains = self._system, self._chains
         states = [self._unknown(node) for node in self._selection.states]
         nodes = {chains.symbol(node).name(): node for node in self._selection.unknowns}
@@ -109,6 +109,7 @@ class _Assembly:
             states=states,
             torn=torn,
             parameters=system.parameters,
+            parameter_values=parameters,
             inputs=list(system.inputs.values()),
             discretes=list(system.discretes.values()),
             pre=system.pre,

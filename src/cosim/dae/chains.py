@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -9,7 +10,7 @@ import casadi as ca
 from cosim.dae.hybrid import SX, Equation, HybridSystem, Scalar
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True)
 class Node:
     """The ``order``-th derivative of ``base``."""
 
@@ -41,6 +42,7 @@ class Chains:
 
     def __post_init__(self) -> None:
         """Index the symbols by name."""
+        self._position = {base: position for position, base in enumerate(self.symbols)}
         self._nodes = {s.name(): Node(b, k) for b, chain in self.symbols.items() for k, s in enumerate(chain)}
 
     def node(self, name: str) -> Node | None:
@@ -59,6 +61,10 @@ class Chains:
     def nodes(self) -> list[Node]:
         """All nodes, chain by chain."""
         return [Node(base, k) for base, chain in self.symbols.items() for k in range(len(chain))]
+
+    def ordered(self, nodes: Iterable[Node]) -> list[Node]:
+        """Nodes in the order of declaration, so that no choice depends on names."""
+        return sorted(nodes, key=lambda node: (self._position[node.base], node.order))
 
     def nodes_in(self, expression: SX) -> list[Node]:
         """The nodes an expression depends on, in the order of appearance."""

@@ -64,6 +64,8 @@ class Dae:
     states: list[Unknown]
     torn: list[Unknown]
     parameters: list[Parameter]
+    parameter_values: dict[str, float]
+    """Default values."""
     inputs: list[Scalar]
     discretes: list[Scalar]
     pre: dict[str, SX]

@@ -197,9 +197,9 @@ def _equations(symbols: Symbols, assigned: set[str]) -> tuple[set[fm.Equation], 
     for equation in flat.equations:
         sides = _sides(equation)
         names = [s.name for s in sides if isinstance(s, Reference) and not s.subscripts and s.name in symbols.new]
-        is_discrete = any(_is_discrete(symbols, side) for side in sides)
-        if names and is_discrete:
-            candidates.append((equation, [n for n in names if n in open_names]))
+        names = [name for name in names if name in open_names]
+        if names:
+            candidates.append((equation, names))
     rows, columns = [], []
     for row, (_, names) in enumerate(candidates):
         for name in names:
@@ -231,10 +231,6 @@ def _equations(symbols: Symbols, assigned: set[str]) -> tuple[set[fm.Equation], 
 def _sides(equation: fm.Equation) -> tuple[Expression, ...]:
     residual = equation.residual
     return (residual.left, residual.right) if isinstance(residual, Binary) and residual.operator == "-" else (residual,)
-
-
-def _is_discrete(symbols: Symbols, side: Expression) -> bool:
-    return isinstance(side, Reference) and side.name in symbols.new
 
 
 def _ordered(symbols: Symbols, assignments: list[Assignment]) -> list[Assignment]:

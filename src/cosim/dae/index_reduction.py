@@ -75,7 +75,7 @@ class _Pantelides:
         return self._result
 
     def _candidates(self, equation: int) -> list[Node]:
-        return sorted(n for n in self._nodes_of[equation] if n.order == self._highest[n.base])
+        return self._chains.ordered(n for n in self._nodes_of[equation] if n.order == self._highest[n.base])
 
     def _augment(self, equation: int) -> bool:
         self._seen_equations.add(equation)
@@ -96,7 +96,7 @@ class _Pantelides:
         result = self._result
         for node in self._seen_nodes:
             if node.order >= _HIGHEST_ORDER:
-                raise _singular(self._chains, sorted(self._seen_equations), sorted(self._seen_nodes))
+                raise _singular(self._chains, sorted(self._seen_equations), self._chains.ordered(self._seen_nodes))
         for node in self._seen_nodes:
             self._highest[node.base] = node.order + 1
         for old in sorted(self._seen_equations):
@@ -104,7 +104,7 @@ class _Pantelides:
             result.equations.append(self._chains.differentiate(result.equations[old]))
             result.predecessor[new], result.successor[old] = old, new
             self._nodes_of.append(set(self._chains.nodes_in(result.equations[new].residual)))
-        for node in sorted(self._seen_nodes):
+        for node in self._chains.ordered(self._seen_nodes):
             self._chains.symbol(Node(node.base, node.order + 1))
             self._assigned[Node(node.base, node.order + 1)] = result.successor[self._assigned[node]]
         return result.successor[equation]

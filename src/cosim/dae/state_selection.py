@@ -58,7 +58,7 @@ def select_states(system: Differentiated, values: dict[str, float]) -> Selection
                 f" states can be chosen: {texts}",
                 system.equations[group[0]].at,
             )
-        taken = sorted(candidates[j] for j in chosen)
+        taken = chains.ordered(candidates[j] for j in chosen)
         dummies += taken
         group = [system.predecessor[e] for e in group if system.level(e) > 1]
         candidates = [Node(n.base, n.order - 1) for n in taken if n.order > 1]

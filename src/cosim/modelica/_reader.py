@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from cosim.modelica.expressions import (
@@ -62,6 +64,15 @@ def _tag(node: Any) -> tuple[str, Any]:  # noqa: ANN401 - JSON
     return tag, content
 
 
+def _targets(actions: tuple[Action, ...]) -> Iterator[str]:
+    for action in actions:
+        if isinstance(action, Assign):
+            yield action.target
+        elif isinstance(action, Conditional):
+            for body in (*(body for _, body in action.branches), action.otherwise):
+                yield from _targets(body)
+
+
 class _Reader:
     def __init__(self, tree: Tree, source: Source) -> None:
         self._tree = tree
@@ -84,6 +95,9 @@ class _Reader:
         for algorithm in tree["algorithms"]:
             whens += self._algorithm(algorithm)
         variables = {key: self._variable(value) for key, value in tree["variables"].items()}
+        for target in {target for when in whens for _, actions in when.branches for target in _targets(actions)}:
+            # a Real that is assigned in a when-clause is discrete, declared so or not (Modelica 4.5.1)
+            variables[target] = replace(variables[target], variability="discrete")
         return FlatModel(
             name=name,
             source=self._source,

@@ -1,0 +1,149 @@
+"""The FMUs that come with the project: which there are, and building those that are missing or out of date.
+
+What there is stands in ``fmus/catalogue.toml``; no code here knows a model.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tomllib
+import zipfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosim import __version__
+from cosim.errors import InputError
+
+_PACKAGE = Path(__file__).parents[1]
+
+
+@dataclass(frozen=True)
+class CatalogueEntry:
+    """One FMU of the catalogue."""
+
+    name: str
+    kind: str
+    """"system" or "controller"."""
+    model: str
+    """Full Modelica name."""
+    source: Path
+    """Modelica package folder or file."""
+    description: str
+
+    @property
+    def fmu_name(self) -> str:
+        """Name of the FMU, which is the last part of the model's."""
+        return self.model.rpartition(".")[2]
+
+
+def data_folder() -> Path:
+    """The folder that holds modelica/, fmus/ and scenarios/: the checkout, or the package data of a wheel."""
+    checkout = _PACKAGE.parents[1]
+    if (checkout / "fmus" / "catalogue.toml").is_file():
+        return checkout
+    return _PACKAGE / "data"
+
+
+def build_folder() -> Path:
+    """Where built FMUs land: ``fmus/`` of a checkout, else a folder in the user's cache."""
+    folder = data_folder()
+    if folder != _PACKAGE / "data" and os.access(folder / "fmus", os.W_OK):
+        return folder / "fmus"
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("wiper-cosim")) / __version__ / "fmus"
+
+
+def names() -> dict[str, CatalogueEntry]:
+    """All entries by their name in scenario files."""
+    folder = data_folder()
+    entries = tomllib.loads((folder / "fmus" / "catalogue.toml").read_text(encoding="utf-8"))
+    return {
+        name: CatalogueEntry(name, e["kind"], e["model"], folder / e["source"], e["description"])
+        for name, e in entries.items()
+    }
+
+
+def ensure(name: str) -> Path:
+    """The FMU of this name, built first if it is missing or out of date.
+
+    Raises:
+        InputError: there is no such entry.
+        ModelError, BuildError: it cannot be built.
+    """
+    return _build(_entry(name), build_folder(), force=False)
+
+
+def build(wanted: Iterable[str] | None = None, out: Path | None = None) -> list[Path]:
+    """Build the FMUs of these names (all by default) where they are missing or out of date; their paths.
+
+    Raises:
+        InputError: there is no such entry.
+        ModelError, BuildError: one cannot be built.
+    """
+    entries = [_entry(name) for name in (wanted or names())]
+    return [_build(entry, out or build_folder(), force=False) for entry in entries]
+
+
+def _entry(name: str) -> CatalogueEntry:
+    known = names()
+    for entry in known.values():
+        if name in (entry.name, entry.fmu_name):
+            return entry
+    raise InputError(f"there is no FMU {name!r} to build; there are {', '.join(known)}")
+
+
+def _build(entry: CatalogueEntry, out: Path, *, force: bool) -> Path:
+    path = out / f"{entry.fmu_name}.fmu"
+    wanted = _hash(entry)
+    if not force and _recorded_hash(path) == wanted:
+        return path
+    from filelock import FileLock
+
+    out.mkdir(parents=True, exist_ok=True)
+    with FileLock(out / f".{entry.fmu_name}.lock"):
+        if not force and _recorded_hash(path) == wanted:
+            return path  # another process has built it meanwhile
+        from cosim.fmu.exporter import export
+
+        return export(entry.source, entry.model, out, build_hash=wanted)
+
+
+def _recorded_hash(path: Path) -> str | None:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            record = json.loads(archive.read("extra/io.github.wiper-cosim/build.json"))
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+        return None
+    found = record.get("hash")
+    return found if isinstance(found, str) else None
+
+
+def _hash(entry: CatalogueEntry) -> str:
+    """Digest of everything the FMU is made from: the model's text, the compiler, the runtime, the tools' versions."""
+    from cosim.fmu.toolchain import host
+
+    digest = hashlib.sha256(f"{entry.model} {host().fmi3}".encode())
+    files = sorted(entry.source.rglob("*.mo")) + sorted(entry.source.rglob("package.order"))
+    files += sorted((_PACKAGE / "fmu" / "runtime").glob("*.[ch]"))
+    for folder in ("modelica", "dae", "fmu"):
+        files += sorted((_PACKAGE / folder).glob("*.py"))
+    for file in files:
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    digest.update(json.dumps(_tool_versions(), sort_keys=True).encode())
+    return digest.hexdigest()
+
+
+def _tool_versions() -> dict[str, str | None]:
+    from importlib.metadata import PackageNotFoundError, version
+
+    found: dict[str, str | None] = {}
+    for package in ("rumoca", "casadi", "ziglang", "fmpy"):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = None
+    return found

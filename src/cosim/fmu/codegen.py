@@ -1,0 +1,282 @@
+"""Writes the C of one model: ``model_sizes.h`` and ``model.c``, everything that the runtime's ``model.h`` declares."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import casadi as ca
+
+from cosim.dae import Dae
+from cosim.dae.hybrid import SX, Assignment
+from cosim.dae.symbolic import substitute
+from cosim.fmu.c_expressions import number, print_function
+from cosim.fmu.layout import Layout
+
+_CONTINUOUS = ("t", "v", "u", "p", "d", "c")
+_DISCRETE = (*_CONTINUOUS, "pre", "fired", "initial", "d_new")
+_UNUSED = "    (void)t, (void)v, (void)u, (void)p, (void)d, (void)c;"
+
+
+def generate(dae: Dae, layout: Layout, token: str) -> dict[str, str]:
+    """The generated files by name.
+
+    Args:
+        dae: the model.
+        layout: where its variables live.
+        token: the FMU's instantiation token.
+    """
+    generator = _Generator(dae, layout)
+    return {"model_sizes.h": generator.sizes(token), "model.c": generator.model()}
+
+
+class _Generator:
+    def __init__(self, dae: Dae, layout: Layout) -> None:
+        self._dae = dae
+        self._layout = layout
+        discretes = [s.name for s in dae.discretes]
+        self._labels: dict[str, list[str]] = {
+            "t": ["time"],
+            "v": [u.name for u in dae.unknowns],
+            "u": [s.name for s in dae.inputs],
+            "p": [p.scalar.name for p in dae.parameters],
+            "d": discretes,
+            "c": [f"relation_{k}" for k in range(len(dae.relations))],
+            "pre": [f"pre_{name}" for name in discretes],
+            "fired": [f"fired_{k}" for k in range(len(dae.clocks))],
+            "initial": ["initial"],
+            "d_new": [f"new_{name}" for name in discretes],
+        }
+        self._arguments: dict[str, SX] = {
+            "t": dae.time,
+            "v": dae.v,
+            "u": _column([s.symbol for s in dae.inputs]),
+            "p": _column([p.scalar.symbol for p in dae.parameters]),
+            "d": _column([s.symbol for s in dae.discretes]),
+            "c": _column([r.symbol for r in dae.relations]),
+            "pre": _column([dae.pre[name] for name in discretes]),
+            "fired": _column([c.fired for c in dae.clocks]),
+            "initial": dae.initial,
+            "d_new": _column([dae.new[name] for name in discretes]),
+        }
+
+    def sizes(self, token: str) -> str:
+        dae, layout = self._dae, self._layout
+        values = {
+            "NX": len(dae.states), "NZ": len(dae.torn), "NU": len(dae.inputs), "NP": len(dae.parameters),
+            "ND": len(dae.discretes), "NG": len(dae.relations), "NS": len(dae.clocks), "NY": len(layout.outputs),
+            "NL": len(layout.locals), "NA": len(dae.checks), "NVARIABLES": len(layout.slots),
+        }  # fmt: skip
+        lines = [f"/* Sizes of {dae.name}. */", "#ifndef COSIM_MODEL_SIZES_H", "#define COSIM_MODEL_SIZES_H", ""]
+        lines += [f"#define MODEL_{name} {value}" for name, value in values.items()]
+        lines += [f"#define MODEL_NAME {_string(dae.name)}", f"#define MODEL_TOKEN {_string(token)}", "", "#endif", ""]
+        return "\n".join(lines)
+
+    def model(self) -> str:
+        dae = self._dae
+        parts = [f"/* {dae.name}: {_comment(dae.description or '')} */", '#include "model.h"', "", "#include <math.h>",
+                 "#include <string.h>", ""]  # fmt: skip
+        parts += self._tables()
+        parts += self._parameters()
+        parts += self._start()
+        parts += self._clocks()
+        f = dae.f
+        parts += self._continuous("model_rhs", "f", f, self._equation_comment())
+        parts += self._continuous("model_jacobian", "J", ca.jacobian(f, dae.v), "df/dv, column by column")
+        parts += self._continuous("model_time_derivative", "ft", ca.jacobian(f, dae.time), "explicit df/dt")
+        relations = "; ".join(f"{k}: {r.text}" for k, r in enumerate(dae.relations))
+        parts += self._continuous("model_indicators", "g", _column([r.indicator for r in dae.relations]), relations)
+        r = dae.initial_residuals
+        initial = "; ".join(dae.initial_texts)
+        parts += self._continuous("model_initial_residual", "r", r, initial)
+        parts += self._continuous("model_initial_jacobian", "J", ca.jacobian(r, dae.v), "dr/dv, column by column")
+        parts += self._continuous("model_outputs", "y", _column(self._layout.outputs), "")
+        parts += self._continuous("model_locals", "l", _column(self._layout.locals), "")
+        parts += self._assertions()
+        parts += self._discrete()
+        return "\n".join(parts)
+
+    def _equation_comment(self) -> str:
+        dae = self._dae
+        derivatives = [f"f[{k}] = der({s.name})" for k, s in enumerate(dae.states)]
+        residuals = [f"f[{len(dae.states) + k}] = residual solved for {z.name}" for k, z in enumerate(dae.torn)]
+        return "; ".join(derivatives + residuals)
+
+    # tables
+
+    def _tables(self) -> list[str]:
+        dae, slots = self._dae, self._layout.slots
+        entries = [f"{{{s.store}, {s.type}, {s.settable}, {s.index}}}, /* {s.name} */" for s in slots]
+        starts = {s.name: s.start for s in slots if s.scalar is not None and s.start is not None}
+        return [
+            "const ModelVariable model_variables[MODEL_ROOM(MODEL_NVARIABLES)] = {",
+            *(f"    {entry}" for entry in entries),
+            "};",
+            "",
+            *_table("double", "model_start_inputs", "MODEL_NU", [number(starts[s.name] or 0.0) for s in dae.inputs]),
+            *_table("double", "model_start_parameters", "MODEL_NP",
+                    [number(dae.parameter_values[p.scalar.name]) for p in dae.parameters]),
+            *_table("double", "model_nominal", "MODEL_NV", [number(u.nominal) for u in dae.unknowns]),
+            *_table("char *const", "model_unknown_names", "MODEL_NV", [_string(u.name) for u in dae.unknowns]),
+            *_table("unsigned char", "model_relation_strict", "MODEL_NG", [str(int(r.strict)) for r in dae.relations]),
+            *_table("char *const", "model_relation_texts", "MODEL_NG", [_string(r.text) for r in dae.relations]),
+            *_table("char *const", "model_assertion_messages", "MODEL_NA", [_string(c.message) for c in dae.checks]),
+            *_table("unsigned char", "model_assertion_is_error", "MODEL_NA", [str(int(c.is_error)) for c in dae.checks]),
+            *_table("char *const", "model_initial_texts", "MODEL_NV", [_string(t) for t in dae.initial_texts]),
+        ]  # fmt: skip
+
+    # functions of the parameters
+
+    def _parameters(self) -> list[str]:
+        dependent = [(k, p) for k, p in enumerate(self._dae.parameters) if not p.independent]
+        values: dict[str, SX] = {}
+        for _, parameter in dependent:
+            values[parameter.scalar.name] = substitute(parameter.value, values)
+        expression = _column([values[p.scalar.name] for _, p in dependent])
+        body = self._body(["p"], [("dependent", expression)])
+        size = max(1, len(dependent))
+        body = [f"double dependent[{size}];", *body] if dependent else ["(void)p;"]
+        body += [f"p[{k}] = dependent[{i}]; /* {p.scalar.name} */" for i, (k, p) in enumerate(dependent)]
+        return _function("void model_parameters(double *p)", body)
+
+    def _start(self) -> list[str]:
+        dae = self._dae
+        v = _column([u.start for u in dae.unknowns])
+        d = _column([SX(0.0) if s.start is None else s.start for s in dae.discretes])
+        body = ["(void)p, (void)v, (void)d;", *self._body(["p"], [("v", v), ("d", d)])]
+        return _function("void model_start(const double *p, double *v, double *d)", body)
+
+    def _clocks(self) -> list[str]:
+        clocks = self._dae.clocks
+        start, interval = _column([c.start for c in clocks]), _column([c.interval for c in clocks])
+        body = ["(void)p, (void)start, (void)interval;", *self._body(["p"], [("start", start), ("interval", interval)])]
+        return _function("void model_clocks(const double *p, double *start, double *interval)", body)
+
+    # functions of the continuous arguments
+
+    def _continuous(self, name: str, result: str, expression: SX, comment: str) -> list[str]:
+        body = [*self._body(_CONTINUOUS, [(result, expression)])]
+        head = f"void {name}(MODEL_CONTINUOUS_ARGUMENTS, double *{result})"
+        lines = _function(head, [f"{_UNUSED.strip()[:-1]}, (void){result};", *body])
+        return [f"/* {_comment(comment)} */", *lines] if comment else lines
+
+    def _assertions(self) -> list[str]:
+        checks = self._dae.checks
+        body = [_UNUSED.strip()]
+        if checks:
+            body += [f"double holds[{len(checks)}];"]
+            body += self._body(_CONTINUOUS, [("holds", _column([c.condition for c in checks]))])
+            body += [f"for (int k = 0; k < {len(checks)}; k++) {{", "    if (holds[k] == 0) return k;", "}"]
+        return _function("int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS)", [*body, "return -1;"])
+
+    # events
+
+    def _discrete(self) -> list[str]:
+        dae = self._dae
+        body = [_UNUSED.strip(), "(void)pre, (void)fired, (void)initial, (void)d_new, (void)x_new;"]
+        if dae.discretes:
+            body.append("memcpy(d_new, pre, MODEL_ND * sizeof *d_new);")
+        if dae.states:
+            body.append("memcpy(x_new, v, MODEL_NX * sizeof *x_new);")
+        for group in _groups(dae.assignments):
+            body += self._group(group)
+        for reset in dae.resets:
+            value = [f"x_new[{reset.index}] = value[0];"]
+            body += self._guarded(reset.guard, ["double value[1];", *self._body(_DISCRETE, [("value", reset.value)]), *value])
+        body.append("int terminate = 0;")
+        for guard, _ in dae.terminations:
+            body += self._guarded(guard, ["terminate = 1;"])
+        body.append("return terminate;")
+        head = (
+            "int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial,\n"
+            "                   double *d_new, double *x_new)"
+        )
+        return _function(head, body)
+
+    def _group(self, group: list[Assignment]) -> list[str]:
+        """Assignments with one guard, computed together."""
+        index = {s.name: k for k, s in enumerate(self._dae.discretes)}
+        values: dict[str, SX] = {}
+        targets: list[str] = []
+        for assignment in group:
+            results = ca.vertsplit(ca.vec(substitute(assignment.values, values)))
+            for target, value in zip(assignment.targets, results, strict=True):
+                values[f"new({target})"] = value
+                targets.append(target)
+        expression = _column([values[f"new({target})"] for target in targets])
+        body = self._body(_DISCRETE, [("d_new", expression)])
+        places = [index[target] for target in targets]
+        # print_function numbers results in order; put each where its variable lives
+        body = [_moved(line, places) for line in body]
+        texts = "; ".join(dict.fromkeys(a.text for a in group))
+        comment = [f"/* {_comment(texts)} */"]
+        if group[0].guard is None:
+            return [*comment, "{", *(f"    {line}" for line in body), "}"]
+        return [*comment, *self._guarded(group[0].guard, body)]
+
+    def _guarded(self, guard: SX, body: list[str]) -> list[str]:
+        condition = self._body(_DISCRETE, [("active", guard)])
+        return ["{", "    double active[1];", *(f"    {line}" for line in condition), "    if (active[0] != 0) {",
+                *(f"        {line}" for line in body), "    }", "}"]  # fmt: skip
+
+    def _body(self, arguments: Sequence[str], results: Sequence[tuple[str, SX]]) -> list[str]:
+        outputs = [ca.densify(ca.vec(expression)) for _, expression in results]
+        if sum(o.numel() for o in outputs) == 0:
+            return []
+        shared = ca.vertsplit(ca.cse(ca.vertcat(*outputs)), [0, *_cumulative(o.numel() for o in outputs)])
+        function = ca.Function("f", [self._arguments[name] for name in arguments], list(shared))
+        labels = [self._labels[name] for name in arguments]
+        return print_function(function, arguments, [name for name, _ in results], labels)
+
+
+def _groups(assignments: Sequence[Assignment]) -> list[list[Assignment]]:
+    groups: list[list[Assignment]] = []
+    for assignment in assignments:
+        last = groups[-1][0].guard if groups else None
+        same = groups and (
+            (last is None and assignment.guard is None)
+            or (last is not None and assignment.guard is not None and ca.is_equal(last, assignment.guard, 20))
+        )
+        if same:
+            groups[-1].append(assignment)
+        else:
+            groups.append([assignment])
+    return groups
+
+
+def _moved(line: str, places: list[int]) -> str:
+    if not line.startswith("d_new["):
+        return line
+    position, rest = line[len("d_new[") :].split("]", 1)
+    return f"d_new[{places[int(position)]}]{rest}"
+
+
+def _cumulative(sizes: Sequence[int] | object) -> list[int]:
+    total, result = 0, []
+    for size in sizes:  # type: ignore[attr-defined]
+        total += size
+        result.append(total)
+    return result
+
+
+def _column(values: Sequence[SX]) -> SX:
+    return ca.vertcat(SX(0, 1), *values)
+
+
+def _table(kind: str, name: str, size: str, values: Sequence[str]) -> list[str]:
+    content = ", ".join(values) if values else ("0" if "char *" not in kind else '""')
+    return [f"const {kind} {name}[MODEL_ROOM({size})] = {{{content}}};", ""]
+
+
+def _function(head: str, body: Sequence[str]) -> list[str]:
+    return [head, "{", *(f"    {line}" for line in body), "}", ""]
+
+
+def _string(text: str) -> str:
+    escaped = json.dumps(text, ensure_ascii=True)
+    # JSON and C agree on these escapes but for \u, which C does not allow for ASCII; models are named in ASCII
+    return escaped.replace("\\u", "?u").replace("??", "?\\?")
+
+
+def _comment(text: str) -> str:
+    return text.replace("*/", "* /").replace("/*", "/ *")

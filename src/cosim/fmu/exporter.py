@@ -1,0 +1,117 @@
+"""From a Modelica file to an .fmu file: compile, generate, describe, link, pack."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import tempfile
+import zipfile
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from cosim import __version__
+from cosim.dae import Dae, compile_dae
+from cosim.fmu.codegen import generate
+from cosim.fmu.description import describe
+from cosim.fmu.layout import lay_out
+from cosim.fmu.toolchain import RUNTIME, compile_library, fmi_headers, host
+from cosim.modelica import Source, flatten
+
+BUILD_RECORD = "extra/io.github.wiper-cosim/build.json"
+_TOKEN = "{token}"
+"""Stands for the instantiation token until the content it is made from is known."""
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+def compile_model(file: Path, model: str) -> Dae:
+    """Compile one class of a Modelica file or package to a :class:`Dae`.
+
+    Raises:
+        ModelError: the model is wrong or uses something unsupported; the message says what and where.
+    """
+    return compile_dae(flatten(Source.read(file), model))
+
+
+def export(file: Path, model: str, out: Path, *, build_hash: str | None = None) -> Path:
+    """Compile one class of a Modelica file or package to ``out/<last part of its name>.fmu`` for this platform.
+
+    The file is written beside its place and moved there, so that it is never seen half done.
+
+    Raises:
+        ModelError: the model is wrong or uses something unsupported.
+        BuildError: there is no C compiler, or it failed.
+    """
+    return pack(compile_model(file, model), out, build_hash=build_hash)
+
+
+def pack(dae: Dae, out: Path, *, build_hash: str | None = None) -> Path:
+    """Write a compiled model as an FMU; see :func:`export`."""
+    identifier = re.sub(r"\W", "_", dae.name.rpartition(".")[2])
+    layout = lay_out(dae)
+    sources = generate(dae, layout, _TOKEN)
+    description = describe(dae, layout, identifier, _TOKEN)
+    token = _token(sources, description)
+    sources = {name: text.replace(_TOKEN, token) for name, text in sources.items()}
+    description = description.replace(_TOKEN.encode(), token.encode())
+    target = host()
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="cosim-build-") as temporary:
+        folder = Path(temporary)
+        for name, text in sources.items():
+            (folder / name).write_text(text, encoding="utf-8")
+        library = folder / f"{identifier}{target.suffix}"
+        runtime = sorted(RUNTIME.glob("*.c"))
+        compile_library([folder / "model.c", *runtime], [folder, RUNTIME, fmi_headers()], library)
+        files = {
+            "modelDescription.xml": description,
+            f"binaries/{target.fmi3}/{library.name}": library.read_bytes(),
+            BUILD_RECORD: _record(dae, build_hash),
+            "documentation/licenses/LICENSE.txt": (RUNTIME / "LICENSE").read_bytes(),
+        }
+        handle, name = tempfile.mkstemp(prefix=f".{identifier}-", suffix=".part", dir=out)
+        with os.fdopen(handle, "wb") as stream:
+            _zip(stream, files)
+    path = out / f"{identifier}.fmu"
+    Path(name).chmod(0o644)
+    Path(name).replace(path)
+    return path
+
+
+def _token(sources: dict[str, str], description: bytes) -> str:
+    """A name for this very FMU: another model, or another compiler or runtime, gives another one."""
+    digest = hashlib.sha256(description)
+    for text in sources.values():
+        digest.update(text.encode())
+    for file in sorted(RUNTIME.glob("*.[ch]")):
+        digest.update(file.read_bytes())
+    h = digest.hexdigest()
+    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+def _record(dae: Dae, build_hash: str | None) -> bytes:
+    record = {"model": dae.name, "hash": build_hash, "cosim": __version__, "tools": tool_versions()}
+    return json.dumps(record, indent=1, sort_keys=True).encode() + b"\n"
+
+
+def tool_versions() -> dict[str, str | None]:
+    """Versions of what an FMU's content depends on."""
+
+    def installed(package: str) -> str | None:
+        try:
+            return version(package)
+        except PackageNotFoundError:
+            return None
+
+    return {package: installed(package) for package in ("rumoca", "casadi", "ziglang", "fmpy")}
+
+
+def _zip(stream: object, files: dict[str, bytes]) -> None:
+    """Pack with fixed dates and order, so that the same content gives the same bytes."""
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:  # type: ignore[call-overload]
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, _EPOCH)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            archive.writestr(entry, files[name])

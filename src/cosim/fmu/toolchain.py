@@ -1,0 +1,102 @@
+"""Compiles C to a shared library for the host: with zig from PyPI, so that no compiler is needed, else with cc."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+import platform
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosim.errors import BuildError
+
+RUNTIME = Path(__file__).parent / "runtime"
+
+_FLAGS = ("-std=c11", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
+
+
+@dataclass(frozen=True)
+class Platform:
+    """A target: its FMI 3 name, zig's name for it, and how its libraries end."""
+
+    fmi3: str
+    zig: str
+    suffix: str
+
+
+PLATFORMS = {
+    "x86_64-linux": Platform("x86_64-linux", "x86_64-linux-gnu.2.17", ".so"),
+    "aarch64-linux": Platform("aarch64-linux", "aarch64-linux-gnu.2.17", ".so"),
+    "x86_64-windows": Platform("x86_64-windows", "x86_64-windows-gnu", ".dll"),
+    "x86_64-darwin": Platform("x86_64-darwin", "x86_64-macos.11.0", ".dylib"),
+    "aarch64-darwin": Platform("aarch64-darwin", "aarch64-macos.11.0", ".dylib"),
+}
+
+
+def host() -> Platform:
+    """The platform this runs on.
+
+    Raises:
+        BuildError: no FMU can be built for it.
+    """
+    machine = {"amd64": "x86_64", "x86_64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}.get(
+        platform.machine().lower(), platform.machine().lower()
+    )
+    name = f"{machine}-{platform.system().lower()}"
+    if name not in PLATFORMS:
+        raise BuildError(f"FMUs can be built for {', '.join(PLATFORMS)}, but this machine is {name}")
+    return PLATFORMS[name]
+
+
+def fmi_headers() -> Path:
+    """The folder with fmi3Functions.h: the one inside the fmpy package."""
+    found = importlib.util.find_spec("fmpy")
+    if found is None or not found.submodule_search_locations:
+        raise BuildError("the FMI headers come with fmpy; install it with: pip install fmpy")
+    return Path(found.submodule_search_locations[0]) / "c-code"
+
+
+def compiler() -> list[str]:
+    """The compiler command, without arguments.
+
+    Raises:
+        BuildError: there is none.
+    """
+    if importlib.util.find_spec("ziglang") is not None:
+        return [sys.executable, "-m", "ziglang", "cc", "-target", host().zig]
+    for name in ("cc", "gcc", "clang"):
+        path = shutil.which(name)
+        if path:
+            return [path]
+    raise BuildError("there is no C compiler; install one from PyPI with: pip install 'wiper-cosim[build]'")
+
+
+def compile_library(sources: Sequence[Path], includes: Sequence[Path], output: Path) -> None:
+    """Compile and link a shared library for the host.
+
+    Raises:
+        BuildError: the compiler is missing or reports an error, or the library does not export the FMI functions.
+    """
+    command = [*compiler(), *_FLAGS, *(f"-I{folder}" for folder in includes), "-o", str(output)]
+    command += [str(source) for source in sources] + ([] if output.suffix == ".dll" else ["-lm"])
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise BuildError(f"the C compiler failed ({command[0]}):\n{done.stderr.strip()[-3000:]}")
+    missing = [name for name in fmi3_functions() if not _exports(output, name)]
+    if missing:
+        raise BuildError(f"the compiled library {output.name} does not export {missing[0]}: wrong header macros")
+
+
+def fmi3_functions() -> list[str]:
+    """Names of all functions of the FMI 3.0 API."""
+    text = (fmi_headers() / "fmi3Functions.h").read_text(encoding="utf-8")
+    return re.findall(r"^FMI3_Export\s+\w+\s+(fmi3\w+);", text, re.MULTILINE)
+
+
+def _exports(library: Path, name: str) -> bool:
+    return hasattr(ctypes.CDLL(str(library)), name)
