@@ -10,10 +10,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy.validation import validate_fmu
 
 from cosim.engine import Component, Connection, Fmu, Role, System, Variable, role_of, simulate
 
 Get = Callable[..., Fmu]
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("model", ["sampler", "integrator", "faulty"])
+def test_the_test_fmus_are_valid(fmu_path: Callable[[str, int], Path], model: str, version: int) -> None:
+    assert validate_fmu(str(fmu_path(model, version))) == []
 
 
 @pytest.mark.parametrize("version", [2, 3])

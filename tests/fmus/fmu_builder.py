@@ -130,28 +130,29 @@ def _items(model: Model) -> str:
 
 
 def _description3(model: Model) -> str:
-    types = f'<EnumerationType name="Choice">{_items(model)}</EnumerationType>' if model.literals else ""
+    types = f'<EnumerationType name="Choice">{_items(model)}</EnumerationType>'
     lines = []
     for v in model.variables:
         declared = ' declaredType="Choice"' if v.type == "Enumeration" else ""
         attributes = _attributes(v, "name", "causality", "variability", "start", "unit")
         lines.append(f'<{v.type} valueReference="{v.reference}" {attributes}{declared}/>')
-    outputs = []
+    outputs, unknowns = [], []
     references = {v.name: str(v.reference) for v in model.variables}
     for v in model.variables:
         if v.causality == "output":
             known = "" if v.depends is None else f' dependencies="{" ".join(references[n] for n in v.depends)}"'
             outputs.append(f'<Output valueReference="{v.reference}"{known}/>')
+            unknowns.append(f'<InitialUnknown valueReference="{v.reference}"{known}/>')
     event_mode = "true" if model.has_event_mode else "false"
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="{model.source}" instantiationToken="test" generationTool="cosim tests">
   <CoSimulation modelIdentifier="{model.source}" canHandleVariableCommunicationStepSize="true"
     hasEventMode="{event_mode}"/>
   <UnitDefinitions>{_units(model)}</UnitDefinitions>
-  <TypeDefinitions>{types}</TypeDefinitions>
+  {f"<TypeDefinitions>{types}</TypeDefinitions>" if model.literals else ""}
   <ModelVariables><Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
   {"".join(lines)}</ModelVariables>
-  <ModelStructure>{"".join(outputs)}</ModelStructure>
+  <ModelStructure>{"".join(outputs + unknowns)}</ModelStructure>
 </fmiModelDescription>"""
 
 
@@ -164,17 +165,19 @@ def _description2(model: Model) -> str:
         outer = _attributes(v, "name", "causality", "variability")
         value = f"<{kind} {declared}{_attributes(v, 'start', 'unit')}/>"
         lines.append(f'<ScalarVariable valueReference="{v.reference}" {outer}>{value}</ScalarVariable>')
-    outputs = []
+    unknowns = []
     positions = {v.name: str(i) for i, v in enumerate(model.variables, 1)}
     for v in model.variables:
         if v.causality == "output":
             known = "" if v.depends is None else f' dependencies="{" ".join(positions[n] for n in v.depends)}"'
-            outputs.append(f'<Unknown index="{positions[v.name]}"{known}/>')
+            unknowns.append(f'<Unknown index="{positions[v.name]}"{known}/>')
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{model.source}" guid="test" generationTool="cosim tests">
   <CoSimulation modelIdentifier="{model.source}" canHandleVariableCommunicationStepSize="true"/>
   <UnitDefinitions>{_units(model)}</UnitDefinitions>
-  <TypeDefinitions>{types if model.literals else ""}</TypeDefinitions>
+  {f"<TypeDefinitions>{types}</TypeDefinitions>" if model.literals else ""}
   <ModelVariables>{"".join(lines)}</ModelVariables>
-  <ModelStructure><Outputs>{"".join(outputs)}</Outputs></ModelStructure>
+  <ModelStructure>
+    <Outputs>{"".join(unknowns)}</Outputs><InitialUnknowns>{"".join(unknowns)}</InitialUnknowns>
+  </ModelStructure>
 </fmiModelDescription>"""
