@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cosim.errors import InputError
@@ -148,12 +148,14 @@ def test_not_a_quantity(text: str) -> None:
     assert str(refusal.value) == f"'{text}' is not a number with a unit; write it like 20 ms or 4.5 N.m"
 
 
+@settings(deadline=None)
 @given(st.dictionaries(st.sampled_from(BASE), st.integers(-9, 9).filter(bool), min_size=1))
 def test_a_product_of_powers_reads_back(powers: dict[str, int]) -> None:
     text = ".".join(f"{base}{power}" for base, power in powers.items())
     assert parse(text).exponents == powers
 
 
+@settings(deadline=None)
 @given(st.text(alphabet="kgmsAKradN./()^-0123456789 %°", max_size=12))
 def test_any_text_is_a_unit_or_refused(text: str) -> None:
     with contextlib.suppress(InputError):

@@ -40,8 +40,8 @@ def test_the_summary(result: Result, system: System) -> None:
         "fmi_version": "3.0",
         "sha256": "L" * 64,
         "generation_tool": "cosim",
-        "roles": "continuous",
-        "steps": 10001,
+        "role": "continuous",
+        "do_steps": 10001,
         "solver": {"steps": 12345, "rejected_steps": 6, "state_events": 7, "time_events": 0},
     }
     assert summary["versions"]["cosim"] == __version__  # type: ignore[index]

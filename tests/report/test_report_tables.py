@@ -51,7 +51,7 @@ def test_the_same_result_gives_the_same_bytes(result: Result, tmp_path: Path) ->
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.floats(), min_size=1, max_size=40))
 def test_numbers_are_what_repr_gives(tmp_path: Path, values: list[float]) -> None:
     array = np.array(values)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from cosim.errors import InputError
@@ -82,6 +82,7 @@ def read_bytes(data: bytes) -> Scenario:
         return read(path)
 
 
+@settings(deadline=None)
 @given(tables(), dialects, st.integers(1, 5000))
 def test_every_dialect_reads_back(table: tuple[list[str], Cells], dialect: Dialect, sample: int) -> None:
     names, rows = table
@@ -106,6 +107,7 @@ def test_every_dialect_reads_back(table: tuple[list[str], Cells], dialect: Diale
         assert list(zip(column.times, column.values, strict=True)) == written
 
 
+@settings(deadline=None)
 @given(st.binary(max_size=200))
 def test_any_bytes_are_refused_as_input(data: bytes) -> None:
     with pytest.raises(InputError):
@@ -133,6 +135,7 @@ lines = st.sampled_from(
 ) | st.text(alphabet='#:;,.=->" \t0123456789eE+-[]stopmx\x0b\x85', max_size=20)
 
 
+@settings(deadline=None)
 @given(st.lists(lines, max_size=10))
 def test_any_lines_are_read_or_refused(text: list[str]) -> None:
     try:

@@ -30,7 +30,8 @@ _DPI = 110
 class Panel:
     """One pair of axes of a figure: the variables (without component) that belong there, in drawing order.
 
-    ``unit`` is what the axis shows; columns with another unit of the same dimension are converted.
+    ``unit`` is what the axis shows; columns with another unit of the same dimension are converted. ``faint`` ones are
+    the background for the others, ``bounds`` the least that the axis spans.
     """
 
     figure: str
@@ -39,6 +40,7 @@ class Panel:
     names: tuple[str, ...]
     faint: tuple[str, ...] = ()
     dashed: tuple[str, ...] = ()
+    bounds: tuple[float, float] | None = None
 
 
 # What a wiper drive's variables are called. A system with other names gets one panel for each unit.
@@ -46,7 +48,7 @@ PANELS = (
     Panel(
         "overview", "Motor current", "A", ("i_motor", "i_filtered", "i_limit"), faint=("i_motor",), dashed=("i_limit",)
     ),
-    Panel("overview", "Duty ratio", "1", ("duty",)),
+    Panel("overview", "Duty ratio", "1", ("duty",), bounds=(0.0, 1.0)),
     Panel(
         "overview",
         "Torque at the gear's output shaft",
@@ -83,8 +85,8 @@ def plot(result: Result, folder: Path, title: str = "") -> list[Path]:
     """Draw a result into ``folder``: at most the PNG files `FIGURES`, overview.png first.
 
     ``overview`` shows the drive or, for a system with other names, everything by unit; ``detail`` its last seconds,
-    ``motion`` speeds and angles, ``others`` what has no panel of its own. A figure has at most 16 panels, so that it can be
-    looked at; further ones are left out. Draws nothing for fewer than two rows.
+    ``motion`` speeds and angles, ``others`` what has no panel of its own. A figure has at most 16 panels, so that it
+    can be looked at; further ones are left out. Draws nothing for fewer than two rows.
     """
     if len(result.time) < 2:
         return []
@@ -189,7 +191,8 @@ def _draw(result: Result, axes: list[_Axis], path: Path, title: str, start: floa
         place.grid(alpha=0.25)
         place.spines[["top", "right"]].set_visible(False)
         place.tick_params(labelsize=9)
-    grid[-1].set_xlim(time[0], time[-1])
+    # The margin keeps a peak at the start, such as an inrush current, off the axis.
+    grid[-1].set_xlim(time[0] - 0.005 * (time[-1] - time[0]), time[-1])
     grid[-1].set_xlabel("time [s]")
     if title:
         figure.suptitle(title, fontsize=12, fontweight="bold")
@@ -203,7 +206,7 @@ def _draw_lines(place: Axes, time: NDArray[np.float64], axis: _Axis, since: int)
     colours = iter(_COLOURS)
     for name, values in axis.lines:
         variable = name.rpartition(".")[2]
-        faint = variable in axis.panel.faint
+        faint = variable in axis.panel.faint and len(axis.lines) > 1
         place.plot(
             time,
             values[since:],
@@ -212,6 +215,9 @@ def _draw_lines(place: Axes, time: NDArray[np.float64], axis: _Axis, since: int)
             linewidth=0.8 if faint else 1.4,
             linestyle="--" if variable in axis.panel.dashed else "-",
         )
+    if axis.panel.bounds is not None:
+        place.update_datalim([(time[0], bound) for bound in axis.panel.bounds])
+        place.autoscale_view()
     place.set_ylabel(f"[{axis.panel.unit}]")
     place.legend(
         loc="lower right", bbox_to_anchor=(1, 0.98), ncols=_MOST_LINES, fontsize=8, frameon=False, borderaxespad=0

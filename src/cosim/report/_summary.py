@@ -13,6 +13,8 @@ from cosim import __version__
 from cosim.engine import Component, Result, System, Variable
 
 _PROVENANCE = re.compile(r"\[[SA]\].*", re.DOTALL)
+# What the engine counts for each component, as it is called for one of them; its steps are calls of doStep.
+_SINGULAR = {"roles": "role", "steps": "do_steps"}
 _PACKAGES = ("fmpy", "numpy", "pyarrow")
 
 
@@ -86,7 +88,11 @@ def _parameter(component: Component, variable: Variable) -> dict[str, object]:
 
 def _component(component: Component, statistics: Mapping[str, object]) -> dict[str, object]:
     fmu = component.fmu
-    counted = {key: by_name[component.name] for key, by_name in _by_component(statistics) if component.name in by_name}
+    counted = {
+        _SINGULAR.get(key, key): by_name[component.name]
+        for key, by_name in statistics.items()
+        if isinstance(by_name, dict) and component.name in by_name
+    }
     return {
         "fmu": fmu.path.name,
         "model": fmu.name,
@@ -95,10 +101,6 @@ def _component(component: Component, statistics: Mapping[str, object]) -> dict[s
         "generation_tool": fmu.generation_tool,
         **counted,
     }
-
-
-def _by_component(statistics: Mapping[str, object]) -> list[tuple[str, dict[str, object]]]:
-    return [(key, value) for key, value in statistics.items() if isinstance(value, dict)]
 
 
 def _solver(statistics: Mapping[str, object]) -> dict[str, dict[str, int]]:

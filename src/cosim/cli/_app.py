@@ -1,0 +1,144 @@
+"""The commands and their options. What a command needs is imported when it runs, so that ``--help`` is quick."""
+
+# ruff: noqa: PLC0415
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cosim import __version__
+from cosim.cli._screen import INTERRUPTED, Screen, reporting
+
+app = typer.Typer(
+    name="cosim",
+    help="Simulate windscreen wiper drives, and any other FMUs, from CSV scenarios; export Modelica models as FMUs.",
+    epilog="Exit codes: 0 done, 2 the input is wrong, 3 a build or a simulation failed, 130 interrupted.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout instead of text.")]
+Platform = Annotated[str, typer.Option(help="Platform of the FMU's binary; 'host' is this machine.")]
+Fmi = Annotated[str, typer.Option(help="FMI version of the FMU.")]
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line with ``arguments`` (default: the process's) and exit the process with its code."""
+    try:
+        app(args=None if arguments is None else list(arguments), prog_name="cosim")
+    except KeyboardInterrupt:
+        raise SystemExit(INTERRUPTED) from None
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"cosim {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Take the options that stand before the command."""
+
+
+@app.command()
+def run(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Scenario files.", show_default=False)],
+    *,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Put the results of x.csv into DIR/x/.")] = Path("results"),
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="Set a parameter, such as 'plant.ext_load=4 N.m', or stop, sample_time, output_interval, tolerance, "
+            "system or controller; wins over the file. Repeatable.",
+        ),
+    ] = None,
+    plots: Annotated[bool, typer.Option("--plots/--no-plots", help="Draw PNG plots.")] = True,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Simulate scenarios one after another; write results.csv, results.parquet, summary.json and plots."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._run import run_files
+
+        raise typer.Exit(run_files(files, out, settings or [], screen, plots=plots))
+
+
+@app.command()
+def build(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME...]", help="Built-in plants and controllers; default all.")
+    ] = None,
+    *,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Where to put the FMUs.")] = None,
+    platform: Platform = "host",
+    fmi: Fmi = "3.0",
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Build the FMUs of the built-in plants and controllers."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._builtin import build_all, check_target
+
+        check_target(platform, fmi)
+        with screen.working("building FMUs"):
+            paths = build_all(names or None, out)
+        screen.document({"fmus": [str(path) for path in paths]})
+        for path in paths:
+            screen.say(str(path))
+
+
+@app.command()
+def info(
+    fmu: Annotated[str, typer.Argument(metavar="X.fmu", help="Path of an FMU, or name of a built-in one.")],
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Show what an FMU is and which inputs, outputs and parameters it has."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._info import show
+
+        show(fmu, screen)
+
+
+@app.command()
+def export(
+    file: Annotated[Path, typer.Argument(metavar="FILE.mo", help="Modelica file.", show_default=False)],
+    model: Annotated[str, typer.Argument(metavar="Package.Model", help="Full name of the model.", show_default=False)],
+    *,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Where to put Model.fmu.")] = Path(),
+    explain: Annotated[bool, typer.Option("--explain", help="Also print how the equations were solved for.")] = False,
+    platform: Platform = "host",
+    fmi: Fmi = "3.0",
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Compile a Modelica model into an FMU."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._builtin import check_target, explanation, export_model
+
+        check_target(platform, fmi)
+        with screen.working(f"compiling {model}"):
+            text = explanation(file, model) if explain else None
+            path = export_model(file, model, out)
+        screen.document({"fmu": str(path), "explanation": text})
+        if text is not None:
+            screen.say(text)
+        screen.say(str(path))

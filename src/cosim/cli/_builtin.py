@@ -1,0 +1,75 @@
+"""The way from the commands to what builds FMUs."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from pathlib import Path
+
+from cosim.errors import InputError
+
+
+def check_target(platform: str, fmi: str) -> None:
+    """Refuse platforms and FMI versions that are not built, with `InputError`."""
+    if platform != "host":
+        raise InputError(f"--platform {platform}: this version builds for 'host' only, the machine it runs on")
+    if fmi != "3.0":
+        raise InputError(f"--fmi {fmi}: this version builds FMI 3.0 only; leave the option out")
+
+
+def locate(name: str) -> Path:
+    """Return the FMU of a built-in plant or controller, built if it is out of date; `InputError` for other names."""
+    from cosim.fmu import catalogue  # noqa: PLC0415 - the compiler is needed only for built-in FMUs
+
+    _check_names([name], _known())
+    path: Path = catalogue.ensure(name)
+    return path
+
+
+def build_all(names: list[str] | None, out: Path | None) -> list[Path]:
+    """Build the named built-in FMUs, or all of them, into ``out`` or the default place."""
+    from cosim.fmu import catalogue  # noqa: PLC0415 - the compiler is slow to import
+
+    _check_names(names or [], _known())
+    paths: list[Path] = catalogue.build(names, out)
+    return paths
+
+
+def export_model(file: Path, model: str, out: Path) -> Path:
+    """Compile a Modelica model into an FMU in the folder ``out``."""
+    from cosim.fmu import export  # noqa: PLC0415 - the compiler is slow to import
+
+    _check_file(file)
+    path: Path = export(file, model, out)
+    return path
+
+
+def explanation(file: Path, model: str) -> str:
+    """Return how the equations of a Modelica model were sorted and solved for."""
+    from cosim.dae import explain  # noqa: PLC0415 - the compiler is slow to import
+    from cosim.fmu import compile_model  # noqa: PLC0415
+
+    _check_file(file)
+    return explain(compile_model(file, model))
+
+
+def _check_file(file: Path) -> None:
+    if not file.is_file():
+        raise InputError("there is no such Modelica file", file=file)
+
+
+def _known() -> dict[str, str]:
+    """Return the built-in FMUs: their names in scenarios, and the names of their files without ending."""
+    from cosim.fmu import catalogue  # noqa: PLC0415
+
+    return {name: entry.fmu_name for name, entry in catalogue.names().items()}
+
+
+def _check_names(names: list[str], known: dict[str, str]) -> None:
+    for name in names:
+        if name not in known and name not in known.values():
+            near = get_close_matches(name, [*known, *known.values()], n=1)
+            hint = f", did you mean '{near[0]}'?" if near else ""
+            raise InputError(
+                f"no built-in plant or controller '{name}'{hint}; built in are {', '.join(known)}; "
+                "an FMU of your own is given by its path, ending in .fmu"
+            )

@@ -1,0 +1,123 @@
+"""``cosim run``: from scenario files to results, one after another."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from cosim.cli._builtin import locate
+from cosim.cli._screen import INTERRUPTED, Screen
+from cosim.engine import Result, System, simulate
+from cosim.errors import CosimError, InputError, SimulationError
+from cosim.report import Run, clear, write
+from cosim.scenario import Scenario, ScenarioWarning, assemble, read
+
+
+@dataclass
+class Outcome:
+    """How one scenario ended; ``summary`` is summary.json's content, if there is one in ``folder``."""
+
+    scenario: str
+    exit_code: int = 0
+    message: str | None = None
+    folder: str | None = None
+    notes: list[str] = field(default_factory=list)
+    summary: dict[str, object] | None = None
+
+
+def run_files(files: Sequence[Path], out: Path, settings: Sequence[str], screen: Screen, *, plots: bool) -> int:
+    """Run scenarios and write their results into ``out``; return the worst exit code.
+
+    A scenario that is refused or fails does not keep the next ones from running; Ctrl-C does.
+    """
+    _check_folders(files)
+    outcomes: list[Outcome] = []
+    for file in files:
+        outcome = Outcome(str(file))
+        outcomes.append(outcome)
+        _run(outcome, file, out / file.stem, settings, screen, plots=plots)
+        if outcome.message is not None:
+            screen.error(outcome.message)
+        if outcome.exit_code == INTERRUPTED:
+            break
+    worst = max(outcome.exit_code for outcome in outcomes)
+    screen.document({"exit_code": worst, "runs": [asdict(outcome) for outcome in outcomes]})
+    return worst
+
+
+def _check_folders(files: Sequence[Path]) -> None:
+    """Refuse two files that would write into the same folder, where one would be lost."""
+    by_stem: dict[str, Path] = {}
+    for file in files:
+        other = by_stem.setdefault(file.stem, file)
+        if other is not file:
+            raise InputError(
+                f"{other} and {file} would both write into the folder '{file.stem}'; run them with different --out"
+            )
+
+
+def _run(outcome: Outcome, file: Path, folder: Path, settings: Sequence[str], screen: Screen, *, plots: bool) -> None:
+    try:
+        scenario = read(file, settings)
+        system = _assemble(scenario, outcome, screen)
+        clear(folder)
+        result = _simulate(scenario, system, outcome, screen)
+        if result is None:
+            return
+        outcome.folder = str(folder)
+        asked = Run(scenario.stop, scenario.output_interval, scenario.tolerance, scenario.title, file.name)
+        outcome.summary = write(result, system, asked, folder, plots=plots)
+        if outcome.message is not None:
+            outcome.message += f"; what was computed before is in {folder}, marked incomplete"
+        else:
+            screen.say(_account(file, outcome.summary, folder))
+    except CosimError as error:
+        outcome.exit_code, outcome.message = error.exit_code, str(error)
+    except OSError as error:
+        outcome.exit_code = SimulationError.exit_code
+        outcome.message = f"{folder}: the results cannot be written: {error.strerror}; choose another --out"
+    except KeyboardInterrupt:
+        outcome.exit_code, outcome.message = INTERRUPTED, f"{file}: interrupted"
+
+
+def _assemble(scenario: Scenario, outcome: Outcome, screen: Screen) -> System:
+    with warnings.catch_warnings(record=True) as caught, screen.working("getting the FMUs ready"):
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("always", ScenarioWarning)
+        system = assemble(scenario, locate)
+    outcome.notes = [str(warning.message) for warning in caught]
+    for text in outcome.notes:
+        screen.note(text)
+    return system
+
+
+def _simulate(scenario: Scenario, system: System, outcome: Outcome, screen: Screen) -> Result | None:
+    """Simulate; a run that ends early leaves its message in ``outcome`` and gives what it had, None if nothing."""
+    try:
+        with screen.progress(scenario.path.stem, scenario.stop) as progress:
+            return simulate(
+                system,
+                stop=scenario.stop,
+                output_interval=scenario.output_interval,
+                tolerance=scenario.tolerance,
+                progress=progress,
+            )
+    except (SimulationError, KeyboardInterrupt) as error:
+        interrupted = isinstance(error, KeyboardInterrupt)
+        outcome.exit_code = INTERRUPTED if interrupted else SimulationError.exit_code
+        outcome.message = f"{scenario.path}: {str(error) or 'interrupted'}"
+        partial: Result | None = getattr(error, "result", None)
+        return partial
+
+
+def _account(file: Path, summary: dict[str, object], folder: Path) -> str:
+    """Tell a finished run in one line."""
+    parts = [f"{file.stem}: {summary['reached']:g} s"]
+    if isinstance(wall := summary["wall_s"], float) and isinstance(factor := summary["real_time_factor"], float):
+        parts[0] += f" in {wall:.3g} s, {factor:.3g} times real time"
+    for key, unit in (("exchanges", "exchanges"), ("solver_steps", "solver steps"), ("events", "events")):
+        if isinstance(count := summary[key], int):
+            parts.append(f"{count} {unit}")
+    return f"{'; '.join(parts)}; results in {folder}"

@@ -1,0 +1,151 @@
+"""The other commands, the options common to all, and that starting up stays light."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import Result
+
+from cosim import __version__
+from cosim.cli import main
+from cosim.cli._screen import Screen, reporting
+
+Cosim = Callable[..., Result]
+HEAVY = {"casadi", "matplotlib", "pandas", "pyarrow", "pint", "rumoca", "scipy", "fmpy", "numpy", "rich.table"}
+
+
+def test_build(cosim: Cosim) -> None:
+    done = cosim("build")
+    assert (done.exit_code, done.stdout) == (0, f"{Path('fmus/linkage.fmu')}\n{Path('fmus/rig.fmu')}\n")
+    done = cosim("build", "LinkagePlant", "--out", "there", "--json")
+    assert json.loads(done.stdout) == {"fmus": [str(Path("there/LinkagePlant.fmu"))]}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ("build", "linkgae"),
+            "no built-in plant or controller 'linkgae', did you mean 'linkage'?; built in are linkage; "
+            "an FMU of your own is given by its path, ending in .fmu",
+        ),
+        (
+            ("build", "--platform", "all"),
+            "--platform all: this version builds for 'host' only, the machine it runs on",
+        ),
+        (("build", "--fmi", "2.0"), "--fmi 2.0: this version builds FMI 3.0 only; leave the option out"),
+        (("info", "x.fmu"), "x.fmu: there is no such FMU"),
+        (("export", "x.mo", "P.M"), "x.mo: there is no such Modelica file"),
+    ],
+)
+def test_what_is_refused(cosim: Cosim, arguments: tuple[str, ...], message: str) -> None:
+    done = cosim(*arguments)
+    assert (done.exit_code, done.stdout, done.stderr) == (2, "", f"error: {message}\n")
+    done = cosim(*arguments, "--json")
+    assert done.exit_code == 2
+    assert json.loads(done.stdout) == {"error": message, "exit_code": 2}
+
+
+def test_info(cosim: Cosim) -> None:
+    done = cosim("info", "linkage")
+    assert done.exit_code == 0
+    lines = [line.split() for line in done.stdout.splitlines()]
+    assert ["model", "LinkagePlant"] in lines
+    assert ["platforms", "x86_64-linux"] in lines
+    assert ["duty", "input", "Real", "1", "0.0", "the", "duty", "[A]", "test"] in lines
+    assert ["ext_load", "parameter", "Real", "N.m", "3.0", "the", "ext_load", "[A]", "test"] in lines
+
+
+def test_info_as_json(cosim: Cosim, tmp_path: Path) -> None:
+    (tmp_path / "own.fmu").touch()
+    document = json.loads(cosim("info", "own.fmu", "--json").stdout)
+    assert (document["path"], document["fmi_version"], document["variables"]) == ("own.fmu", "3.0", 4)
+    names = {variable["name"]: variable for variable in document["interface"]}
+    assert names["i_motor"]["unit"] == "A"
+    assert names["i_max"]["start"] == "inf"
+
+
+def test_export(cosim: Cosim) -> None:
+    Path("x.mo").touch()
+    done = cosim("export", "x.mo", "P.Model", "--out", "there")
+    assert (done.exit_code, done.stdout) == (0, f"{Path('there/Model.fmu')}\n")
+    done = cosim("export", "x.mo", "P.Model", "--explain")
+    assert (done.exit_code, done.stdout) == (0, "explained: dae of P.Model\nModel.fmu\n")
+    done = cosim("export", "x.mo", "P.Model", "--explain", "--json")
+    assert json.loads(done.stdout) == {"fmu": "Model.fmu", "explanation": "explained: dae of P.Model"}
+
+
+def test_a_model_that_does_not_compile(cosim: Cosim) -> None:
+    Path("x.mo").touch()
+    done = cosim("export", "x.mo", "P.Wrong")
+    assert (done.exit_code, done.stderr) == (2, "error: x.mo:7: an equation is missing\n")
+
+
+@pytest.mark.parametrize("arguments", [("run",), ("run", "x.csv", "--nonsense"), ("nonsense",)])
+def test_wrong_usage_is_wrong_input(cosim: Cosim, arguments: tuple[str, ...]) -> None:
+    assert cosim(*arguments).exit_code == 2
+
+
+def test_version_and_help(cosim: Cosim) -> None:
+    assert cosim("--version").stdout == f"cosim {__version__}\n"
+    assert "Exit codes: 0 done, 2 the input is wrong, 3 a build or a simulation failed" in cosim("--help").stdout
+
+
+def test_main_exits_with_the_code(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["info", "nowhere.fmu"])
+    assert end.value.code == 2
+    assert capsys.readouterr().err == "error: nowhere.fmu: there is no such FMU\n"
+
+
+def test_progress_shows_only_on_a_terminal_and_only_when_long(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with Screen(quiet=False, as_json=False).progress("x", 10.0) as move:
+        assert move is None
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
+    with Screen(quiet=True, as_json=False).progress("x", 10.0) as move:
+        assert move is None
+    with Screen(quiet=False, as_json=False).progress("x", 10.0) as move:
+        assert move is not None
+        move(1.0)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr("cosim.cli._screen._LONG_RUN", 0.0)
+    with Screen(quiet=False, as_json=False).progress("a long run", 10.0) as move:
+        assert move is not None
+        move(2.0)
+    assert "a long run" in capsys.readouterr().err
+
+
+def test_ctrl_c_in_any_command(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(typer.Exit) as end, reporting(Screen(quiet=False, as_json=False)):
+        raise KeyboardInterrupt
+    assert end.value.exit_code == 130
+    assert capsys.readouterr().err == "error: interrupted\n"
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("run", "--help"), ("build", "--fmi", "1.0")])
+def test_starting_up_imports_nothing_heavy(arguments: tuple[str, ...]) -> None:
+    code = (
+        "import sys, atexit\n"
+        f"atexit.register(lambda: print('heavy:', sorted({HEAVY!r} & set(sys.modules)), flush=True))\n"
+        f"from cosim.cli import main\nmain({list(arguments)!r})"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout.splitlines()[-1] == "heavy: []"
+
+
+def test_a_run_leaves_the_compiler_alone(tmp_path: Path) -> None:
+    code = (
+        "import sys\nimport cosim.cli._run\n"
+        "heavy = {'casadi', 'matplotlib', 'pandas', 'pyarrow', 'pint', 'rumoca'} & set(sys.modules)\n"
+        "assert not heavy, heavy"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
