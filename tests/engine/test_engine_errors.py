@@ -180,13 +180,13 @@ def test_channels_that_are_no_table(fmu: Get) -> None:
             "faulty",
             {"fault": "melt"},
             "c.fault: 'melt' does not fit; it takes one of none, not_a_number, error, discard, terminate, "
-            "silent_error, fatal",
+            "silent_error, fatal, early",
         ),
         (
             "faulty",
             {"fault": 1.5},
             "c.fault: 1.5 does not fit; it takes one of none, not_a_number, error, discard, "
-            "terminate, silent_error, fatal",
+            "terminate, silent_error, fatal, early",
         ),
     ],
 )
@@ -251,6 +251,16 @@ def test_a_failing_fmu_leaves_the_rows_before_the_failure(
     assert error.result.time.tolist() == [0.0, 0.01, 0.02, 0.03, 0.04]
     np.testing.assert_allclose(error.result.columns["f.y"], error.result.time, rtol=1e-12)
     assert set(error.result.columns["p.x"]) == {1.0}
+    # The integrator, given first, has been stepped up to the end of the failed step.
+    assert error.result.statistics["solver"] == {"p": {"steps": 5}}
+
+
+def test_an_fmu_that_returns_early_although_it_must_not(fmu: Get) -> None:
+    error = fail(System([Component("f", fmu("faulty"), {"fault": "early", "t_fault": 0.05})]))
+    assert str(error) == (
+        "the simulation failed at t = 0.04 s: f (faulty): returned early from a step, which it was not allowed to; the "
+        "FMU gave no reason; try a smaller output interval, or report it to whoever exported the FMU"
+    )
 
 
 def test_nan_is_blamed_on_its_origin(fmu: Get) -> None:

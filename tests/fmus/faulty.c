@@ -5,7 +5,7 @@
 #include "shell.h"
 
 enum { FAULT = 1, T_FAULT, Y };
-enum { NONE = 1, NOT_A_NUMBER, RETURN_ERROR, RETURN_DISCARD, TERMINATE, SILENT_ERROR, FATAL };
+enum { NONE = 1, NOT_A_NUMBER, RETURN_ERROR, RETURN_DISCARD, TERMINATE, SILENT_ERROR, FATAL, EARLY };
 
 static void start(Model *m) { m->v[FAULT] = NONE; }
 
@@ -23,6 +23,7 @@ static int step(Model *m, double h) {
         case TERMINATE: m->terminate = true; return OK;
         case SILENT_ERROR: return ERROR;
         case FATAL: say(m, "memory is exhausted"); return ERROR + 1;
+        case EARLY: m->early_return = true; return OK;
         default: return OK;
     }
 }

@@ -20,6 +20,7 @@ typedef struct {
     double time;
     double next_event; /* infinite: none */
     bool terminate;
+    bool early_return;
     bool update_needed; /* event() is to be called again */
     bool silent;        /* events are not announced, only reported when they have come */
     bool event_mode_used;
@@ -168,7 +169,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean 
     if (status == OK) m->time = *reached = t + h;
     *event_needed = m->event_mode_used && m->time >= m->next_event - 1e-9;
     *terminate = m->terminate;
-    *early = false;
+    *early = m->early_return;
     return (fmi3Status)status;
 }
 #endif

@@ -47,6 +47,9 @@ class Fmu:
     ``variables`` all scalar variables by name (arrays, binaries and clocks are left out), ``capabilities`` the
     attributes of the CoSimulation element and ``platforms``, the names of the folders with binaries.
 
+    ``fmi_types`` holds each variable's type in the FMU ("Float64", "Int32", ...), ``dependencies`` the inputs that each
+    output depends on directly, None where the model description does not say.
+
     Use it as a context manager or call ``close``; otherwise the folder is removed when the object is collected or
     Python ends.
     """

@@ -6,6 +6,7 @@ import copy
 from abc import ABC, abstractmethod
 from array import array
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from ctypes import addressof, c_bool, c_double, c_int, c_size_t, c_uint, c_uint32, c_uint64, c_void_p
 from functools import partial
 from typing import ClassVar, NoReturn
@@ -161,22 +162,19 @@ class Instance(ABC):
             return "it could not finish this step: try a smaller output interval or a looser tolerance"
         return "check its parameters and its inputs at that time, or try another tolerance"
 
-    def fail_to_go_on(self) -> NoReturn:
-        """Raise CallError for a component that asked for the end of the simulation."""
-        raise CallError(
-            self,
-            "asked to end the simulation",
-            "set stop before that time, or change what makes it end",
-        )
+    def fail_to_go_on(self, early: bool = False) -> NoReturn:
+        """Raise CallError for a component that asked for the end of the simulation, or did not finish a step."""
+        if early:
+            what = "returned early from a step, which it was not allowed to"
+            raise CallError(self, what, "try a smaller output interval, or report it to whoever exported the FMU")
+        raise CallError(self, "asked to end the simulation", "set stop before that time, or change what makes it end")
 
     def free(self) -> None:
         """Terminate and free the instance, unless the FMU has declared itself broken."""
         if self._fatal or not self._slave.component:
             return
-        try:
+        with suppress(FMICallException):  # after an error an FMU may refuse to terminate; it is freed all the same
             self._slave.terminate()
-        except Exception:  # after an error an FMU may refuse to terminate; it is freed all the same
-            self.log.add(0, None)
         getattr(self._slave, f"fmi{self.fmu.fmi_version[0]}FreeInstance")(self._slave.component)
         self._slave.component = None
 

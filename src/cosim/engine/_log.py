@@ -33,7 +33,7 @@ class Log:
         self.key = next(_keys)
         _logs[self.key] = self
 
-    def add(self, status: int, message: bytes | None) -> None:
+    def add(self, status: int, message: bytes) -> None:
         """Keep a message if its status is worth it."""
         if status > 0 and message:
             text = message.decode("utf-8", "replace").strip()

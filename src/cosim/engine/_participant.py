@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
 
 from cosim.engine._instance import (
+    EARLY_RETURN,
     EVENT_NEEDED,
     NEXT_EVENT_DEFINED,
+    TERMINATE,
     UPDATE_NEEDED,
     UPDATE_TERMINATES,
     Call,
@@ -133,8 +135,8 @@ class Participant:
         self.steps += 1
         if status >= FAILED:
             instance.check("DoStep", status)
-        if instance.flags.value & ~EVENT_NEEDED:
-            instance.fail_to_go_on()
+        if instance.flags.value & (TERMINATE | EARLY_RETURN):
+            instance.fail_to_go_on(early=not instance.flags.value & TERMINATE)
 
     def carry(self, t: float) -> None:
         """Bring a component with event mode to t [s], where it may turn out to need an event."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,13 +63,11 @@ def simulate(
             run(plan, record, progress)
         except CallError as failure:
             message = _message(failure, record)
-            raise PartialResultError(message, _result(plan, record, started, message)) from failure
+            raise PartialResultError(message, _result(plan, record, started, message, failure.instance)) from failure
         except KeyboardInterrupt as interruption:
             message = f"the simulation was interrupted at t = {record.now:.9g} s"
             raise SimulationInterrupted(message, _result(plan, record, started, message)) from interruption
-        result = _result(plan, record, started, None)
-        result.statistics["solver"] = {name: _counters(instance) for name, instance in instances.items()}
-        return result
+        return _result(plan, record, started)
     finally:
         for instance in instances.values():
             instance.free()
@@ -132,7 +131,10 @@ def _message(failure: CallError, record: Record) -> str:
     )
 
 
-def _result(plan: Plan, record: Record, started: float, message: str | None) -> Result:
+def _result(
+    plan: Plan, record: Record, started: float, message: str | None = None, broken: Instance | None = None
+) -> Result:
+    wall = time.perf_counter() - started
     table = np.ascontiguousarray(record.rows[: record.count].T)
     columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {}
     for name, slot in plan.columns.items():
@@ -145,12 +147,12 @@ def _result(plan: Plan, record: Record, started: float, message: str | None) -> 
         units={name: unit for name in columns if (unit := plan.variables[name].unit) is not None},
         literals={name: names for name in columns if (names := plan.variables[name].literals) is not None},
         statistics={
-            "wall_s": time.perf_counter() - started,
+            "wall_s": wall,
             "exchanges": record.exchanges,
             "roles": {p.instance.name: p.role.value for p in participants},
             "steps": {p.instance.name: p.steps for p in participants},
             "events": {p.instance.name: p.events for p in participants if p.role is Role.EVENT},
-            "solver": {},
+            "solver": {p.instance.name: _counters(p.instance) for p in participants if p.instance is not broken},
         },
         complete=message is None,
         message=message,
@@ -158,5 +160,8 @@ def _result(plan: Plan, record: Record, started: float, message: str | None) -> 
 
 
 def _counters(instance: Instance) -> dict[str, int]:
-    published = instance.fmu.variables
-    return {name: int(instance.get_value(f"solver.{name}")) for name in _COUNTERS if f"solver.{name}" in published}
+    """Return the solver counters that an FMU publishes and, after a failure elsewhere, is still able to give."""
+    published = [name for name in _COUNTERS if f"solver.{name}" in instance.fmu.variables]
+    with suppress(CallError):
+        return {name: int(instance.get_value(f"solver.{name}")) for name in published}
+    return {}
