@@ -33,6 +33,28 @@ def test_current_never_reverses_when_the_supply_is_switched_off(simulate: Simula
     assert current[-1] > 0.5
 
 
+def test_current_limit_holds_and_lets_go(simulate: Simulate) -> None:
+    run = simulate("Tests.BridgeLimit", 0.3, step=5e-4)
+    time, current, voltage = run["time"], run["bridge.i"], run["bridge.v"]
+    held = run["bridge.limiting"] == 1
+    assert np.all(current[held] == 5)
+    assert current.max() < 5 + 1e-6
+    assert voltage.max() < 28 + 1e-6
+    # it lets go where the whole supply is needed: v = R i + k w
+    last = time[held][-1]
+    assert pytest.approx(1.91 * 5 + 0.113 * np.interp(last, time, run["motor.rotor.w"]), abs=0.2) == 28
+
+
+def test_shorted_motor_brakes_and_the_measured_current_stays_positive(simulate: Simulate) -> None:
+    run = simulate("Tests.BridgeBrake", 0.3, step=5e-4)
+    shorted = (run["time"] > 0.1005) & (run["time"] < 0.1995)
+    assert np.abs(run["bridge.v"][shorted]).max() < 1e-12
+    assert run["bridge.i"][shorted].min() < -10
+    assert run["motor.rotor.w"][shorted][-1] < 1
+    assert run["bridge.i_switch"].min() >= 0
+    assert run["bridge.i_switch"][-1] > 0.5
+
+
 @pytest.mark.parametrize(("name", "efficiency"), [("GearDriving", 1 / 0.74), ("GearBackDriven", 0.65)])
 def test_gear_loses_the_share_of_its_direction(simulate: Simulate, name: str, efficiency: float) -> None:
     run = simulate(f"Tests.{name}", 2.0, step=0.01)

@@ -81,6 +81,15 @@ def test_load_opposes_the_motion_with_equation_3_1(revolution: Columns) -> None:
         assert revolution[f"tau_{side}"][moving] == pytest.approx(load[moving], abs=1e-2)
 
 
+def test_naive_load_is_largest_at_the_turning_points(simulate: Simulate) -> None:
+    modifier = "duty=1, v_supply=28, tau_disturbance=0, naive_load=true"
+    run = simulate("Systems.LinkagePlant", 3.0, step=0.005, modifier=modifier)
+    moving = run["time"] > 0.1
+    speed, load = run["w_ps"][moving], np.abs(run["tau_ps"][moving])
+    assert load.max() == pytest.approx(5, abs=0.1)  # 3 N.m and the friction near standstill
+    assert np.abs(speed[np.argmax(load)]) < 0.1
+
+
 def test_damping_outweighs_the_load_four_to_one(revolution: Columns) -> None:
     turn = 2 * np.pi
     damping = np.trapezoid(revolution["P_joints"], revolution["time"]) / turn

@@ -1,33 +1,39 @@
 within WiperDrive.Electrical;
 model HBridge "Averaged H-bridge in one-quadrant mode with ideal freewheel diode"
+  parameter Types.Current i_max = 1000 "Current to which the bridge limits itself [A] off; [S] 4.2: supply 10 A, bridge 15 A";
+  parameter Boolean short_brake = false
+    "True: at duty ratio zero the load is shorted to brake [A] off; the production motor does so when it parks";
   input Types.Ratio duty "Duty ratio, 0..1";
   input Types.Voltage v_supply "Supply voltage";
   constant Types.Inductance L_1 = 1 "Gives both branches of the bridge's law the same unit";
-  constant Types.Voltage V_1 = 1 "Scale of the diode's characteristic";
-  constant Types.Current I_1 = 1 "Scale of the diode's characteristic";
   Interfaces.Pin p "Output to the load";
   Interfaces.Pin n "Return from the load";
   Types.Voltage v "Voltage across the load";
-  Types.Current i(start=0, fixed=true, stateSelect=StateSelect.always) "Current through the load, never negative";
+  Types.Current i(start=0, fixed=true, stateSelect=StateSelect.always) "Current through the load";
+  Types.Current i_switch "Current in the switch, where it is measured: never negative";
   Types.Power P_supply "Power taken from the supply";
-  Types.Ratio s "Place on the ideal diode's characteristic: the current, negative, or the voltage in excess while it blocks";
   Boolean blocking(start=true, fixed=true) "True while the diode blocks and no current flows";
+  Boolean limiting(start=false, fixed=true) "True while the current is held at its limit";
+  Boolean braking "True while the load is shorted and its current may reverse";
 equation
   v = p.v - n.v;
   i = -p.i;
   // conservation of charge
   0 = p.i + n.i;
   // While current flows, the average output is the switched share of the supply: the polarity is fixed and the
-  // freewheel diode carries the current in the off time. While the diode blocks, the current stays zero and the
-  // load sets the voltage. Both branches bind the current's derivative, so the structure is the same in both modes.
-  0 = if blocking then L_1*der(i) else v - duty*v_supply;
-  // The characteristic has a corner, but s passes through it steadily: the diode blocks from where the current would
-  // turn negative, and conducts again from where the drive exceeds the voltage of the load.
-  s = if blocking then (v - duty*v_supply)/V_1 else -i/I_1;
-  blocking = s > 0;
-  // The event is found a little after the current has crossed zero.
+  // freewheel diode carries the current in the off time. While the diode blocks or the limit holds, the current is
+  // constant and the load sets the voltage. Either branch holds the current or its derivative through the voltage, so
+  // the structure is the same in all modes.
+  0 = if blocking or limiting then L_1*der(i) else v - duty*v_supply;
+  braking = short_brake and duty <= 0;
+  blocking = if braking then false elseif pre(blocking) then v >= duty*v_supply else i < 0;
+  limiting = if pre(limiting) then v <= duty*v_supply else i > i_max;
+  // An event is found a little after the current has passed its bound.
   when blocking then
     reinit(i, 0);
+  elsewhen limiting then
+    reinit(i, i_max);
   end when;
+  i_switch = noEvent(max(i, 0));
   P_supply = v*i;
 end HBridge;

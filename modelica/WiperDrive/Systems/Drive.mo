@@ -4,6 +4,10 @@ partial model Drive "Bridge, motor, worm gear and park sensor: what the plants h
   parameter Types.MotorConstant k_emf = 0.113 "Torque and back-EMF constant of the motor [S] table 3.4";
   parameter Types.Angle park_width = 2*Constants.pi/180
     "Angle over which the park contact is closed [S] 3.2.1: about 2 deg";
+  parameter Types.Current i_max = 1000
+    "Current to which the bridge limits itself [A] off; [S] 4.2: supply 10 A, bridge 15 A";
+  parameter Boolean short_brake = false
+    "True: at duty ratio zero the motor is shorted to brake [A] off; the production motor does so when it parks";
   input Types.Ratio duty(start=0) "Duty ratio of the H-bridge, 0..1";
   input Types.Voltage v_supply(start=28) "Supply voltage";
   input Types.Torque tau_disturbance(start=0)
@@ -17,7 +21,7 @@ partial model Drive "Bridge, motor, worm gear and park sensor: what the plants h
     "Speed of the gear's output shaft";
   output Types.AngularVelocity w_motor "Speed of the rotor";
   output Types.Torque tau_crank "Torque that the gear delivers to its output shaft";
-  Electrical.HBridge bridge(duty=duty, v_supply=v_supply) "Averaged bridge";
+  Electrical.HBridge bridge(i_max=i_max, short_brake=short_brake, duty=duty, v_supply=v_supply) "Averaged bridge";
   Electrical.Ground ground "Chassis";
   Electrical.Motor motor(J=J_rotor, k=k_emf) "Motor";
   Rotational.WormGear gear "Worm gear";
@@ -36,7 +40,7 @@ equation
   connect(motor.flange, gear.flange_a);
   connect(gear.flange_b, disturbance.flange);
   connect(gear.flange_b, sensor.flange);
-  i_motor = bridge.i;
+  i_motor = bridge.i_switch;
   v_motor = bridge.v;
   park = sensor.on;
   phi_crank = gear.flange_b.phi;

@@ -1,7 +1,9 @@
 within WiperDrive.Systems;
-model LinkagePlant "Wiper drive with the two four-bar linkages and the load of equation 3.1"
+model LinkagePlant "Wiper drive with the two four-bar linkages and the load of the blades"
   extends Drive;
   parameter Types.Torque ext_load = 3 "External load on each rocker [S] table 3.2";
+  parameter Boolean naive_load = false
+    "True: the naive estimate of the load instead of equation 3.1 [S] figure 3.4, which figures 3.5 and 3.6 show";
   parameter Types.RotationalDamping d_joint = 1.5e-2*180/Constants.pi
     "Damping of each of the six passive joints [S] table 3.1: 1.5e-2 N.m.s/deg";
   parameter Types.RotationalStiffness c_joint = 1e-9*180/Constants.pi
@@ -10,15 +12,15 @@ model LinkagePlant "Wiper drive with the two four-bar linkages and the load of e
   parameter Types.Acceleration gy = 0 "Gravity in the linkage plane, in y [S] B.1.6, line 1";
   output Types.Angle phi_ds "Orientation of the driver side's rocker, from B to C, unwrapped";
   output Types.AngularVelocity w_ds "Speed of the driver side's rocker";
-  output Types.Torque tau_ds "Load of equation 3.1 on the driver side's rocker";
+  output Types.Torque tau_ds "Load of equation 3.1 on the driver side's rocker, with the sign of its speed";
   output Types.Angle phi_ps "Orientation of the passenger side's rocker, from B to C, unwrapped";
   output Types.AngularVelocity w_ps "Speed of the passenger side's rocker";
-  output Types.Torque tau_ps "Load of equation 3.1 on the passenger side's rocker";
+  output Types.Torque tau_ps "Load of equation 3.1 on the passenger side's rocker, with the sign of its speed";
   Planar.DualFourBar linkage(d=d_joint, c=c_joint, gy=gy) "Linkage";
   Rotational.Inertia arm_ds(J=J_arm) "Wiper arm of the driver side";
   Rotational.Inertia arm_ps(J=J_arm) "Wiper arm of the passenger side";
-  Loads.WiperLoad load_ds(ext_load=ext_load, phi_crank=phi_crank) "Load of the driver side";
-  Loads.WiperLoad load_ps(ext_load=ext_load, phi_crank=phi_crank) "Load of the passenger side";
+  Loads.WiperLoad load_ds(ext_load=ext_load, naive=naive_load, phi_crank=phi_crank) "Load of the driver side";
+  Loads.WiperLoad load_ps(ext_load=ext_load, naive=naive_load, phi_crank=phi_crank) "Load of the passenger side";
   Types.Power P_joints "Power turned into heat in the joints";
   Types.Power P_load "Power taken by the load";
   Types.Energy E_kinetic "Kinetic energy";
