@@ -27,6 +27,7 @@ class InputError(CosimError, ValueError):
     def __init__(
         self, message: str, *, file: Path | str | None = None, line: int | None = None, column: int | None = None
     ) -> None:
+        """Put the place in front of the message."""
         self.file = file
         self.line = line
         self.column = column

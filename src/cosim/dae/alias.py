@@ -91,7 +91,7 @@ class _Elimination:
         if any(self._find(name)[0] in self._known for name, _ in terms):
             return False  # becomes trivial in the next round, with the value put in
         if len(terms) == 1:
-            (name, sign), = terms
+            ((name, sign),) = terms
             root, root_sign = self._find(name)
             if self._stays(root):
                 return False

@@ -151,11 +151,11 @@ class _When:
                 otherwise = dict(state)
                 self._run(action.otherwise, otherwise)
                 for target in state:
-                    value = otherwise[target]
-                    for condition, branch in reversed(outcomes):
-                        if not ca.is_equal(branch[target], value, 1):
-                            value = ca.if_else(condition, branch[target], value)
-                    state[target] = value
+                    result = otherwise[target]
+                    for holds, branch in reversed(outcomes):
+                        if not ca.is_equal(branch[target], result, 1):
+                            result = ca.if_else(holds, branch[target], result)
+                    state[target] = result
 
     def _effects(self, actions: tuple[fm.Action, ...], active: SX) -> None:
         evaluate = Evaluator(self._symbols, Mode.SAMPLED)
@@ -169,7 +169,8 @@ class _When:
                 self._effects(action.otherwise, rest)
             elif isinstance(action, fm.Reinit):
                 if action.state not in self._system.unknowns:
-                    raise self._symbols.flat.source.error(f"reinit({action.state}): not a continuous variable", action.at)
+                    message = f"reinit({action.state}): not a continuous variable"
+                    raise self._symbols.flat.source.error(message, action.at)
                 self._system.reinits.append(Reinit(action.state, evaluate(action.value), active, action.at))
             elif isinstance(action, fm.Assertion):
                 raise self._symbols.flat.source.error("assert inside when is not supported; move it out", action.at)
@@ -274,4 +275,3 @@ def _same(a: SX | None, b: SX | None) -> bool:
 def _no_value(symbols: Symbols, name: str) -> ModelError:
     return symbols.flat.source.error(f"{name} is discrete, but no equation or when-clause gives it a value",
                                      symbols.scalars[name].declaration.at)  # fmt: skip
-

@@ -106,8 +106,10 @@ class Evaluator:
             case Reference():
                 return self._reference(expression)
             case Unary(operator=operator, operand=operand):
-                value = self(operand)
-                return {"-": lambda: -value, "+": lambda: value, "not": lambda: ca.logic_not(value)}[operator]()
+                inner = self(operand)
+                if operator == "not":
+                    return ca.logic_not(inner)
+                return -inner if operator == "-" else inner
             case Binary():
                 return self._binary(expression)
             case If(branches=branches, otherwise=otherwise):
@@ -150,7 +152,8 @@ class Evaluator:
         symbols = self.symbols
         known = variable.variability in ("parameter", "constant")
         if self.mode is Mode.PARAMETER and not known:
-            raise self.error(f"{node.name} is not a parameter, so it cannot stand in a parameter's value or a start", node)
+            message = f"{node.name} is not a parameter, so it cannot stand in a parameter's value or a start"
+            raise self.error(message, node)
         if known or variable.causality == "input" or variable.variability == "continuous":
             if self.reading_pre and not known:
                 raise self.error(f"pre({node.name}): only discrete variables have a value before the event", node)

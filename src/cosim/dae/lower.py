@@ -19,7 +19,8 @@ def lower(flat: FlatModel) -> HybridSystem:
     Raises:
         ModelError: the model uses something that has no meaning here, by name and place.
     """
-    system = HybridSystem(flat.name, flat.description, flat.source, SX.sym("time"), SX.sym("initial"), list(flat.variables))
+    time, initial = SX.sym("time"), SX.sym("initial")
+    system = HybridSystem(flat.name, flat.description, flat.source, time, initial, list(flat.variables))
     symbols = Symbols(flat, system)
     for variable in flat.variables.values():
         if variable.type == "String":
@@ -43,9 +44,7 @@ def lower(flat: FlatModel) -> HybridSystem:
         system.initial_equations += [Equation(r, text, equation.at) for r in ca.vertsplit(ca.vec(residual))]
     checking = Evaluator(symbols, Mode.CONTINUOUS, no_event=True)
     for assertion in flat.assertions:
-        system.checks.append(
-            Check(checking(assertion.condition), assertion.message, assertion.is_error, assertion.at)
-        )
+        system.checks.append(Check(checking(assertion.condition), assertion.message, assertion.is_error, assertion.at))
     return system
 
 
@@ -81,11 +80,13 @@ def _parameters(symbols: Symbols) -> None:
     flat = symbols.flat
     declared = {v.name: v for v in flat.variables.values() if v.variability in ("parameter", "constant")}
     uses: dict[str, set[str]] = {}
+    expressions: dict[str, Expression] = {}
     for variable in declared.values():
-        value = _value(variable)
-        if value is None:
+        expression = variable.binding if variable.binding is not None else variable.start
+        if expression is None:
             raise flat.source.error(f"the parameter {variable.name} has no value; give it one", variable.at)
-        uses[variable.name] = {name for name in _names(value) if name in declared}
+        expressions[variable.name] = expression
+        uses[variable.name] = {name for name in _names(expression) if name in declared}
     constants = {name for name, v in declared.items() if v.variability == "constant"}
     try:
         order = list(graphlib.TopologicalSorter(uses).static_order())
@@ -97,9 +98,7 @@ def _parameters(symbols: Symbols) -> None:
     evaluate = Evaluator(symbols, Mode.PARAMETER)
     for name in order:
         variable = declared[name]
-        expression = _value(variable)
-        assert expression is not None
-        value = evaluate(expression)
+        value = evaluate(expressions[name])
         names = element_names(name, variable.dimensions)
         values = ca.vertsplit(ca.vec(value)) if names else []
         if len(values) == 1 and len(names) > 1:
@@ -113,10 +112,6 @@ def _parameters(symbols: Symbols) -> None:
         independent = uses[name] <= constants and not variable.final
         for element, element_value in zip(names, values, strict=True):
             symbols.system.parameters.append(Parameter(symbols.scalars[element], element_value, independent))
-
-
-def _value(variable: Variable) -> Expression | None:
-    return variable.binding if variable.binding is not None else variable.start
 
 
 def _starts(symbols: Symbols) -> None:
@@ -140,4 +135,3 @@ def _names(expression: Expression) -> set[str]:
     for child in children(expression):
         found |= _names(child)
     return found
-

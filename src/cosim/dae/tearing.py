@@ -116,7 +116,9 @@ class _Tearer:
                 return
         self._tear(rest_columns, rest_equations, [([e], [j]) for e, j in steps], linear=linear)
 
-    def _causalize(self, equations: list[int], columns: list[int]) -> tuple[list[int], list[int], list[tuple[int, int]]]:
+    def _causalize(
+        self, equations: list[int], columns: list[int]
+    ) -> tuple[list[int], list[int], list[tuple[int, int]]]:
         """Peel off equations that give one unknown with a safe pivot; tear the most connected unknown when stuck.
 
         Returns the residual equations, the torn unknowns, and the (equation, unknown) pairs in between in order.

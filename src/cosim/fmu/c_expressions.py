@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 
@@ -24,12 +25,14 @@ _UNARY = {
     ca.OP_LOG1P: "log1p({})", ca.OP_EXPM1: "expm1({})", ca.OP_ASINH: "asinh({})", ca.OP_ACOSH: "acosh({})",
     ca.OP_ATANH: "atanh({})", ca.OP_ASSIGN: "{}",
 }  # fmt: skip
-_RESERVED = set(
-    "auto break case char const continue default do double else enum extern float for goto if inline int long register"
-    " restrict return short signed sizeof static struct switch typedef union unsigned void volatile while"
-    " t v u p d c f g J y l r ft pre fired initial d_new x_new start interval"
-    " sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt pow fabs floor ceil fmod fmin fmax hypot gamma"
-    " j0 j1 jn y0 y1 yn index remainder signbit round trunc main abs div time signal".split()
+_RESERVED = frozenset(
+    """
+    auto break case char const continue default do double else enum extern float for goto if inline int long register
+    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+    t v u p d c f g J y l r ft pre fired initial d_new x_new start interval
+    sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt pow fabs floor ceil fmod fmin fmax hypot gamma
+    j0 j1 jn y0 y1 yn index remainder signbit round trunc main abs div time signal
+    """.split()
 )
 
 
@@ -37,6 +40,7 @@ class Names:
     """C identifiers for Modelica names, unique within one function."""
 
     def __init__(self) -> None:
+        """Start with none taken."""
         self._taken: set[str] = set()
 
     def identifier(self, name: str) -> str:
@@ -108,9 +112,9 @@ def print_function(
 
 def number(value: float) -> str:
     """A C literal that reads back as the same double."""
-    if value != value:
+    if math.isnan(value):
         return "NAN"
-    if value in (float("inf"), float("-inf")):
+    if math.isinf(value):
         return "INFINITY" if value > 0 else "(-INFINITY)"
     text = repr(float(value))
     return f"({text})" if value < 0 else text

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import casadi as ca
 
@@ -121,7 +122,8 @@ class _Generator:
             *_table("unsigned char", "model_relation_strict", "MODEL_NG", [str(int(r.strict)) for r in dae.relations]),
             *_table("char *const", "model_relation_texts", "MODEL_NG", [_string(r.text) for r in dae.relations]),
             *_table("char *const", "model_assertion_messages", "MODEL_NA", [_string(c.message) for c in dae.checks]),
-            *_table("unsigned char", "model_assertion_is_error", "MODEL_NA", [str(int(c.is_error)) for c in dae.checks]),
+            *_table("unsigned char", "model_assertion_is_error", "MODEL_NA",
+                    [str(int(c.is_error)) for c in dae.checks]),
             *_table("char *const", "model_initial_texts", "MODEL_NV", [_string(t) for t in dae.initial_texts]),
         ]  # fmt: skip
 
@@ -182,7 +184,8 @@ class _Generator:
             body += self._group(group)
         for reset in dae.resets:
             value = [f"x_new[{reset.index}] = value[0];"]
-            body += self._guarded(reset.guard, ["double value[1];", *self._body(_DISCRETE, [("value", reset.value)]), *value])
+            compute = self._body(_DISCRETE, [("value", reset.value)])
+            body += self._guarded(reset.guard, ["double value[1];", *compute, *value])
         body.append("int terminate = 0;")
         for guard, _ in dae.terminations:
             body += self._guarded(guard, ["terminate = 1;"])
@@ -251,12 +254,8 @@ def _moved(line: str, places: list[int]) -> str:
     return f"d_new[{places[int(position)]}]{rest}"
 
 
-def _cumulative(sizes: Sequence[int] | object) -> list[int]:
-    total, result = 0, []
-    for size in sizes:  # type: ignore[attr-defined]
-        total += size
-        result.append(total)
-    return result
+def _cumulative(sizes: Iterable[int]) -> list[int]:
+    return list(itertools.accumulate(sizes))
 
 
 def _column(values: Sequence[SX]) -> SX:

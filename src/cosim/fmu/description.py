@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-
 from cosim import __version__
 from cosim.dae import Dae
 from cosim.fmu.layout import Layout, Slot
@@ -63,7 +62,8 @@ def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
             if slot.causality in wanted:
                 ET.SubElement(structure, element, valueReference=str(reference))
     ET.indent(root)
-    return ET.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"
+    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
 
 
 def _declarations(layout: Layout) -> list[Variable]:
@@ -140,5 +140,3 @@ def _start(slot: Slot) -> str:
     if slot.type == "TYPE_BOOLEAN":
         return "true" if slot.start else "false"
     return repr(float(slot.start)) if slot.type == "TYPE_REAL" else str(int(slot.start))
-
-

@@ -52,8 +52,19 @@ def lay_out(dae: Dae) -> Layout:
     """Lay out time, the published variables, and the solver's counters."""
     layout = Layout()
     layout.slots.append(
-        Slot("time", None, "Simulation time", "STORE_TIME", 0, "TYPE_REAL", "SET_NEVER", "independent", "continuous",
-             None, None)  # fmt: skip
+        Slot(
+            "time",
+            None,
+            "Simulation time",
+            "STORE_TIME",
+            0,
+            "TYPE_REAL",
+            "SET_NEVER",
+            "independent",
+            "continuous",
+            None,
+            None,
+        )
     )
     places = _places(dae)
     parameters = {p.scalar.name: p for p in dae.parameters}
@@ -61,7 +72,10 @@ def lay_out(dae: Dae) -> Layout:
     for published in dae.published:
         scalar, value = published.scalar, published.value
         store, index = places.get(value.name(), ("", 0)) if value.is_symbolic() else ("", 0)
-        causality, variability, initial, settable, start = scalar.causality, "continuous", "calculated", "SET_NEVER", None
+        causality: str = scalar.causality
+        variability, settable = "continuous", "SET_NEVER"
+        initial: str | None = "calculated"
+        start: float | None = None
         if scalar.name in parameters:
             independent = parameters[scalar.name].independent
             causality = "parameter" if independent else "calculatedParameter"
@@ -80,13 +94,35 @@ def lay_out(dae: Dae) -> Layout:
             index = len(group)
             group.append(value)
         layout.slots.append(
-            Slot(scalar.name, scalar, scalar.declaration.description, store, index, _TYPES[scalar.type], settable,
-                 causality, variability, initial, start)  # fmt: skip
+            Slot(
+                scalar.name,
+                scalar,
+                scalar.declaration.description,
+                store,
+                index,
+                _TYPES[scalar.type],
+                settable,
+                causality,
+                variability,
+                initial,
+                start,
+            )
         )
     for index, (name, description) in enumerate(COUNTERS.items()):
         layout.slots.append(
-            Slot(name, None, description, "STORE_COUNTER", index, "TYPE_COUNTER", "SET_NEVER", "local", "discrete",
-                 "calculated", None)  # fmt: skip
+            Slot(
+                name,
+                None,
+                description,
+                "STORE_COUNTER",
+                index,
+                "TYPE_COUNTER",
+                "SET_NEVER",
+                "local",
+                "discrete",
+                "calculated",
+                None,
+            )
         )
     return layout
 

@@ -202,7 +202,7 @@ class _Reader:
     def _when(self, chain: Tree) -> When:
         branches = [chain["first"], *chain["else_when"]]
         return When(
-            tuple((self.expression(b["condition"]), tuple(self._action(a) for a in b["equations"])) for b in branches),
+            tuple((self.expression(b["condition"]), self._actions(b["equations"])) for b in branches),
             sequential=False,
             at=self._at(chain),
         )
@@ -221,12 +221,12 @@ class _Reader:
                 message = self.expression(content["message"])
                 return Terminate(str(message.value) if isinstance(message, Literal) else "terminate", at)
             case "Conditional":
-                return Conditional(
-                    tuple((self.expression(c), tuple(self._action(a) for a in body)) for c, body in content["branches"]),
-                    tuple(self._action(a) for a in content.get("else_branch") or ()),
-                    at,
-                )
+                branches = ((self.expression(c), self._actions(body)) for c, body in content["branches"])
+                return Conditional(tuple(branches), self._actions(content.get("else_branch") or []), at)
         raise self._source.error(f"{tag} is not supported inside when", at)
+
+    def _actions(self, nodes: list[Tree]) -> tuple[Action, ...]:
+        return tuple(self._action(node) for node in nodes)
 
     def _algorithm(self, node: Tree) -> list[When]:
         whens = []
@@ -290,7 +290,8 @@ class _Reader:
                 subscripts = tuple(self._subscript(s) for s in content["subscripts"])
                 return Reference(content["name"]["name"], subscripts, at)
             case "Binary":
-                return Binary(_BINARY[content["op"]], self.expression(content["lhs"]), self.expression(content["rhs"]), at)
+                left, right = self.expression(content["lhs"]), self.expression(content["rhs"])
+                return Binary(_BINARY[content["op"]], left, right, at)
             case "Unary":
                 return Unary(_UNARY[content["op"]], self.expression(content["rhs"]), at)
             case "If":

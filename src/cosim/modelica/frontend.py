@@ -73,7 +73,7 @@ def _offset(source: Source, line: int, column: int) -> int:
 
 def _explain(source: Source, model: str, text: str) -> ModelError:
     """Put the place that rumoca's message leaves out in front of it, from the names it quotes."""
-    message = text.split("\nRelated failures")[0].strip()
+    message = text.split("\nRelated failures", maxsplit=1)[0].strip()
     message = re.sub(r"^todae failed: \S+ failed in ToDae: ", "", message)
     message = re.sub(rf"^{re.escape(model)} could not be compiled: ", "", message)
     declared = source.find_class(model)

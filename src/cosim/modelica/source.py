@@ -1,4 +1,4 @@
-"""Modelica source text: a file, or a package folder read as one text, with a way back from an offset to file and line."""
+"""Modelica source text: a file, or a package folder read as one text; from an offset in it back to file and line."""
 
 from __future__ import annotations
 
