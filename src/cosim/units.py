@@ -115,6 +115,8 @@ def parse(text: str) -> Unit:
     Raises `InputError`, saying what is accepted, if ``text`` is not a unit.
     """
     plain = text.strip().replace("**", "^").translate(_SPELLINGS).translate(_SUPERSCRIPTS)
+    if plain == "-":  # engineers' sign for a plain number
+        plain = "1"
     if plain in _OFFSETS:
         factor, exponents = _FIXED[plain]
         return Unit(text.strip(), factor, _OFFSETS[plain], MappingProxyType(exponents))
@@ -230,7 +232,7 @@ _PINT_BASE = {
 
 def _ask_pint(name: str, text: str) -> tuple[float, float, dict[str, int]]:
     """Look a name up in pint: ``lbf``, ``inch``, ``psi``, ... ."""
-    import pint  # noqa: PLC0415 - takes longer to import than everything else here together
+    import pint
 
     registry: pint.UnitRegistry[float] = pint.UnitRegistry()
     try:

@@ -19,9 +19,10 @@ Cosim = Callable[..., Result]
 LINE = "x: 1 s in 0.25 s, 4 times real time; 3 exchanges; 40 solver steps; 0 events; results in {}\n"
 
 
-def partial(error: SimulationError | KeyboardInterrupt, rows: int) -> BaseException:
-    columns = {"plant.i_motor": np.linspace(0, 1, rows)}
-    error.result = engine.Result(np.linspace(0, 1, rows), columns, complete=False, message=str(error))  # type: ignore[union-attr]
+def partial(error: BaseException, rows: int) -> BaseException:
+    ramp = np.linspace(0, 1, rows)
+    result = engine.Result(ramp, {"plant.i_motor": ramp}, complete=False, message=str(error))
+    error.__dict__["result"] = result
     return error
 
 

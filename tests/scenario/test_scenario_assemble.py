@@ -44,6 +44,7 @@ PLANT = fmu(
     variable("lights", "input", kind="Boolean"),
     variable("gear", "input", kind="Enumeration", literals=("LOW", "HIGH")),
     variable("free", "input"),
+    variable("odd", "input", "wiggles"),
     variable("i_motor", "output", "A"),
     variable("tau_crank", "output", "N.m"),
     variable("park", "output", kind="Boolean"),
@@ -159,7 +160,7 @@ def test_a_map_replaces_the_name(build: Assemble) -> None:
 
 
 PARAMETERS = "parameters are plant.ext_load, plant.motor.R, plant.n, plant.brake, plant.load, plant.file"
-INPUTS = "inputs are plant.duty, plant.v_supply, plant.lights, plant.gear, plant.free"
+INPUTS = "inputs are plant.duty, plant.v_supply, plant.lights, plant.gear, plant.free, plant.odd"
 
 
 @pytest.mark.parametrize(
@@ -241,7 +242,13 @@ def test_lines_that_are_refused(refusal: Callable[..., str], line: str, message:
         ("v_supply\n0,1", "4:2: column 'v_supply' has no unit, 'plant.v_supply' is in V; write 'v_supply [V]'"),
         (
             "free [ms]\n0,1",
-            "4:2: column 'free' is in ms, but the FMU gives no unit for 'plant.free'; write the value in SI units",
+            "4:2: column 'free' is in ms, but the FMU gives no unit for 'plant.free'; "
+            "write the number as the FMU takes it",
+        ),
+        (
+            "odd [mm]\n0,1",
+            "4:2: column 'odd' is in mm, but the FMU gives the unit 'wiggles', which is not understood, "
+            "for 'plant.odd'; write the number as the FMU takes it",
         ),
         ("lights [V]\n0,1", "4:2: column 'lights' is in V, 'plant.lights' is Boolean; write 'lights [1]'"),
         ("lights\n0,1\n1,0.5", "6:2: 0.5 in column 'lights': 'plant.lights' takes 0 and 1"),
@@ -277,7 +284,7 @@ def test_a_name_of_two_components_needs_the_component(refusal: Callable[..., str
 def test_nothing_connects(refusal: Callable[..., str]) -> None:
     assert refusal("", controller="other") == (
         "2: nothing connects plant and controller, no output has the name of an input; "
-        "plant has outputs i_motor, tau_crank, park and inputs duty, v_supply, lights, gear, free, "
+        "plant has outputs i_motor, tau_crank, park and inputs duty, v_supply, lights, gear, free, odd, "
         "controller has outputs u and inputs volt; add '# map: ...' lines"
     )
 
@@ -286,6 +293,16 @@ def test_the_same_name_with_another_dimension(refusal: Callable[..., str]) -> No
     assert refusal("", controller="clash") == (
         "plant.i_motor [A] cannot drive controller.i_motor [V]: cannot convert A to V: A against kg.m2.s-3.A-1; "
         "connect it otherwise with a 'map' line"
+    )
+
+
+def test_a_unit_that_only_the_fmu_understands_is_not_converted(build: Assemble) -> None:
+    with pytest.warns(ScenarioWarning) as caught:
+        system = build("# map: controller.duty -> plant.odd\n")
+    assert Connection(("controller", "duty"), ("plant", "odd")) in system.connections
+    assert str(caught[0].message) == (
+        "controller.duty [1] drives plant.odd [wiggles] without conversion, "
+        "the unit 'wiggles' of the FMU is not understood"
     )
 
 

@@ -18,7 +18,7 @@ def check_target(platform: str, fmi: str) -> None:
 
 def locate(name: str) -> Path:
     """Return the FMU of a built-in plant or controller, built if it is out of date; `InputError` for other names."""
-    from cosim.fmu import catalogue  # noqa: PLC0415 - the compiler is needed only for built-in FMUs
+    from cosim.fmu import catalogue
 
     _check_names([name], _known())
     path: Path = catalogue.ensure(name)
@@ -27,7 +27,7 @@ def locate(name: str) -> Path:
 
 def build_all(names: list[str] | None, out: Path | None) -> list[Path]:
     """Build the named built-in FMUs, or all of them, into ``out`` or the default place."""
-    from cosim.fmu import catalogue  # noqa: PLC0415 - the compiler is slow to import
+    from cosim.fmu import catalogue
 
     _check_names(names or [], _known())
     paths: list[Path] = catalogue.build(names, out)
@@ -36,7 +36,7 @@ def build_all(names: list[str] | None, out: Path | None) -> list[Path]:
 
 def export_model(file: Path, model: str, out: Path) -> Path:
     """Compile a Modelica model into an FMU in the folder ``out``."""
-    from cosim.fmu import export  # noqa: PLC0415 - the compiler is slow to import
+    from cosim.fmu import export
 
     _check_file(file)
     path: Path = export(file, model, out)
@@ -45,8 +45,8 @@ def export_model(file: Path, model: str, out: Path) -> Path:
 
 def explanation(file: Path, model: str) -> str:
     """Return how the equations of a Modelica model were sorted and solved for."""
-    from cosim.dae import explain  # noqa: PLC0415 - the compiler is slow to import
-    from cosim.fmu import compile_model  # noqa: PLC0415
+    from cosim.dae import explain
+    from cosim.fmu import compile_model
 
     _check_file(file)
     return explain(compile_model(file, model))
@@ -59,7 +59,7 @@ def _check_file(file: Path) -> None:
 
 def _known() -> dict[str, str]:
     """Return the built-in FMUs: their names in scenarios, and the names of their files without ending."""
-    from cosim.fmu import catalogue  # noqa: PLC0415
+    from cosim.fmu import catalogue
 
     return {name: entry.fmu_name for name, entry in catalogue.names().items()}
 

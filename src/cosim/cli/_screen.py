@@ -1,7 +1,5 @@
 """What a user sees: results on stdout, notes, errors and progress on stderr."""
 
-# ruff: noqa: PLC0415 - rich is imported for what only a terminal shows
-
 from __future__ import annotations
 
 import json

@@ -171,8 +171,8 @@ def _in_unit(result: Result, name: str, unit: str) -> NDArray[np.float64] | None
 
 def _draw(result: Result, axes: list[_Axis], path: Path, title: str, start: float) -> Path:
     """Draw the axes below each other from ``start`` [s] on, and save the figure."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 - slow to import
-    from matplotlib.figure import Figure  # noqa: PLC0415
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
 
     heights = [axis.height for axis in axes]
     figure = Figure(figsize=(11, 1.0 + 1.05 * sum(heights)), dpi=_DPI, layout="constrained")

@@ -34,8 +34,8 @@ def write_csv(result: Result, path: Path) -> None:
 
 def write_parquet(result: Result, path: Path, metadata: Mapping[str, object]) -> None:
     """Write the same columns as `write_csv`, units in the fields' metadata, ``metadata`` as JSON under ``cosim``."""
-    import pyarrow as pa  # noqa: PLC0415 - slow to import, and not needed for the CSV file
-    import pyarrow.parquet as pq  # noqa: PLC0415
+    import pyarrow as pa
+    import pyarrow.parquet as pq
 
     arrays = [pa.array(values) for values in (result.time, *result.columns.values())]
     fields = []

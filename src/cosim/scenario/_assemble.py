@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cosim.engine import Channel, Component, Connection, Fmu, System
 from cosim.errors import InputError
-from cosim.scenario._model import Column, Scenario, Setting
+from cosim.scenario._model import Column, Scenario, ScenarioWarning, Setting
 from cosim.scenario._names import End, dotted, find_end, resolve
 from cosim.scenario._values import channel_values, connection_map, parameter_value
 from cosim.units import convert, parse
@@ -19,17 +19,13 @@ Locate = Callable[[str], Path]
 _SECOND = parse("s")
 
 
-class ScenarioWarning(UserWarning):
-    """Something in a scenario that has no effect."""
-
-
 def assemble(scenario: Scenario, locate: Locate) -> System:
     """Build the system that a scenario describes: ``plant``, ``controller`` unless none, connections and channels.
 
     FMUs are named by their path, relative to the scenario's folder, or by a name for ``locate``. Outputs and inputs of
     the same name are connected unless a ``map`` line says otherwise. Channels and parameters come out in the FMUs'
     units. Raises `InputError` with file, line and column for what does not fit the FMUs; warns with `ScenarioWarning`
-    about a ``sample_time`` that nothing uses.
+    about a ``sample_time`` that nothing uses, and units of an FMU that are not understood.
     """
     components = [Component("plant", _load(scenario, "system", scenario.system, locate))]
     if scenario.controller is not None:

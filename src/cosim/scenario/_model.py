@@ -10,6 +10,10 @@ from pathlib import Path
 from cosim.units import Unit
 
 
+class ScenarioWarning(UserWarning):
+    """Something in a scenario that has no effect, or another one than it may seem."""
+
+
 @dataclass(frozen=True)
 class Setting:
     """A start value for a parameter: ``set: plant.ext_load = 4 N.m``. ``file`` is ``--set`` for an option."""

@@ -42,7 +42,7 @@ def read(path: Path | str, settings: Sequence[str] = ()) -> Scenario:
         path=table.path,
         title=keys.texts.get("title", ""),
         system=keys.texts["system"],
-        controller=None if controller == "none" else controller,
+        controller=None if controller.lower() == "none" else controller,
         stop=_stop(table, keys, times),
         settings=tuple(keys.settings),
         links=tuple(keys.links),

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from pathlib import Path
 
 from cosim.engine import Variable
 from cosim.errors import InputError
-from cosim.scenario._model import Column, suggestion
+from cosim.scenario._model import Column, ScenarioWarning, suggestion
 from cosim.units import Unit, compatible, convert, linear_map, parse, quantity
 
 _BOOLEANS = {"0": False, "1": True, "false": False, "true": True}
@@ -67,11 +68,24 @@ def channel_values(path: Path, column: Column, name: str, variable: Variable) ->
 
 
 def connection_map(source_name: str, source: Variable, target_name: str, target: Variable) -> tuple[float, float]:
-    """Factor and offset from an output to an input; (1, 0) where a unit is not given or both are the same text."""
+    """Factor and offset from an output to an input; (1, 0) where a unit is not given or both are the same text.
+
+    Raises `InputError` for units of different dimensions; warns if one is not understood, and so not converted.
+    """
     if source.unit == target.unit or source.unit is None or target.unit is None:
         return 1.0, 0.0
+    source_unit, target_unit = _unit_of(source), _unit_of(target)
+    if source_unit is None or target_unit is None:
+        unknown = source.unit if source_unit is None else target.unit
+        warnings.warn(
+            f"{source_name} [{source.unit}] drives {target_name} [{target.unit}] without conversion, "
+            f"the unit '{unknown}' of the FMU is not understood",
+            ScenarioWarning,
+            stacklevel=4,
+        )
+        return 1.0, 0.0
     try:
-        return linear_map(parse(source.unit), parse(target.unit))
+        return linear_map(source_unit, target_unit)
     except InputError as error:
         raise InputError(
             f"{source_name} [{source.unit}] cannot drive {target_name} [{target.unit}]: {error}"
@@ -79,14 +93,23 @@ def connection_map(source_name: str, source: Variable, target_name: str, target:
 
 
 def _to_variable(value: float, unit: Unit, name: str, variable: Variable, *, found: str, remedy: str) -> float:
-    if variable.unit is None:
+    target = _unit_of(variable)
+    if target is None:
         if unit.factor != 1 or unit.offset:
-            raise InputError(f"{found}, but the FMU gives no unit for '{name}'; write the value in SI units")
+            what = "no unit" if variable.unit is None else f"the unit '{variable.unit}', which is not understood,"
+            raise InputError(f"{found}, but the FMU gives {what} for '{name}'; write the number as the FMU takes it")
         return value
-    target = parse(variable.unit)
     if not compatible(unit, target):
         raise InputError(f"{found}, '{name}' is in {variable.unit}; {remedy}")
     return convert(value, unit, target)
+
+
+def _unit_of(variable: Variable) -> Unit | None:
+    """Return the unit that the FMU gives; None if it gives none, or one that only its maker understands."""
+    try:
+        return None if variable.unit is None else parse(variable.unit)
+    except InputError:
+        return None
 
 
 def _literal(text: str, name: str, variable: Variable) -> int:
