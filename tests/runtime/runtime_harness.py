@@ -34,7 +34,7 @@ KINDS: dict[str, Any] = {
 def compiler() -> list[str]:
     """The C compiler of the build extra, else the system's."""
     try:
-        import ziglang  # noqa: F401, PLC0415
+        import ziglang  # noqa: F401
     except ImportError:
         found = shutil.which("cc") or shutil.which("gcc")
         assert found, "no C compiler"

@@ -40,6 +40,24 @@ def test_small_communication_steps_end_exactly_and_do_not_shrink_the_step_size()
     assert sample.get(1) == pytest.approx(math.cos(4.0), abs=1e-4)
 
 
+def test_tiny_communication_steps_do_not_spoil_the_step_size() -> None:
+    sample = Sample("oscillator").start(1e-10)
+    sample.step_to(1.0)
+    before = sample.counters(10)["steps"]
+    for k in range(10):
+        sample.step_to(1.0 + (k + 1) * 0.1 + 1e-9)
+        sample.step(1e-9)
+    assert sample.counters(10)["steps"] - before < 210  # 164 without the tiny steps
+
+
+def test_start_time_far_from_zero() -> None:
+    """Seconds since 1970: one bit of the time is 2.4e-7 s."""
+    sample = Sample("oscillator").start(1e-6, start=1.7e9)
+    sample.step(1.0)
+    assert sample.get(1) == pytest.approx(math.cos(2.0), abs=1e-5)
+    assert sample.counters(10)["steps"] < 40
+
+
 def test_start_time_and_parameters_are_used() -> None:
     sample = Sample("oscillator").start(1e-8, start=100.0, v5=3.0, v6=0.5)
     assert sample.get(0, 1, 5, 7) == [100.0, 0.5, 3.0, 9.0]
@@ -105,6 +123,23 @@ def test_chain_of_coupled_states_and_algebraic_unknowns() -> None:
     assert errors[2] < 1e-7
 
 
+def test_four_bar_keeps_its_branch_and_its_lengths() -> None:
+    """Ten revolutions from start values of zero, where the closure equations are singular."""
+    sample = Sample("four_bar").start(1e-5)
+    a, f, b, g = sample.get(4, 5, 6, 7)
+    side = math.copysign(1.0, math.sin(sample.get(2) - sample.get(3)))
+    for _ in range(200):
+        sample.step(math.pi / 10.0)
+        crank, coupler, rocker = sample.get(1, 2, 3)
+        dx, dy = g - a * math.cos(crank), -a * math.sin(crank)
+        diagonal = math.hypot(dx, dy)
+        inside = math.acos((f**2 + diagonal**2 - b**2) / (2.0 * f * diagonal))
+        expected = math.atan2(dy, dx) - side * inside
+        assert math.remainder(coupler - expected, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-12)
+        assert a * math.cos(crank) + f * math.cos(coupler) == pytest.approx(g + b * math.cos(rocker), abs=1e-14)
+    assert sample.get(1) == pytest.approx(20.0 * math.pi, rel=1e-12)
+
+
 def test_published_values_satisfy_the_algebraic_equations() -> None:
     sample = Sample("algebraic").start(1e-3)
     for k in range(40):
@@ -115,6 +150,16 @@ def test_published_values_satisfy_the_algebraic_equations() -> None:
         assert np.abs(sample.get(6, 7)).max() < 1e-12
         assert sample.get(8) == -sample.get(2)
         assert sample.get(5) == sample.get(2) + sample.get(3)
+
+
+def test_algebraic_equations_are_solved_over_long_ways() -> None:
+    """From 21 to -21 past the point where the cubic is flat; exp(-z1) becomes 2e9."""
+    sample = Sample("algebraic").start()
+    for u in (1e4, -1e4, 1e3, -1e3, 0.0):
+        sample.set(4, u)
+        z = sample.get(2)
+        assert z**3 + z == pytest.approx(2.0 + u + 0.1, rel=1e-12)
+        assert sample.get(3) == pytest.approx(math.exp(-z), rel=1e-12)
 
 
 def test_looking_at_values_does_not_change_the_future() -> None:

@@ -7,7 +7,22 @@
 #define SAMPLE_INITIAL
 #include "sample.h"
 
-enum { FINE, NOT_A_NUMBER, CHATTER, BLOW_UP, FLIP_FLOP, TERMINATE, ASSERTIONS, NO_INITIAL_STATE, PARADOX, RUNAWAY };
+enum {
+    FINE,
+    NOT_A_NUMBER,
+    CHATTER,
+    BLOW_UP,
+    FLIP_FLOP,
+    TERMINATE,
+    ASSERTIONS,
+    NO_INITIAL_STATE,
+    PARADOX,
+    RUNAWAY,
+    BAD_REINIT,
+    BAD_DISCRETE,
+    SINGULAR_START,
+    TERMINATE_AT_ONCE
+};
 
 const ModelVariable model_variables[MODEL_NVARIABLES] = {
     REAL(STORE_TIME, 0, SET_NEVER),
@@ -51,13 +66,13 @@ void model_jacobian(MODEL_CONTINUOUS_ARGUMENTS, double *J)
 void model_initial_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r)
 {
     ARGUMENTS_UNUSED;
-    r[0] = p[0] == NO_INITIAL_STATE ? v[0] * v[0] + v[0] + 1.0 : v[0];
+    r[0] = p[0] == SINGULAR_START ? 1.0 : p[0] == NO_INITIAL_STATE ? v[0] * v[0] + v[0] + 1.0 : v[0];
 }
 
 void model_initial_jacobian(MODEL_CONTINUOUS_ARGUMENTS, double *J)
 {
     ARGUMENTS_UNUSED;
-    J[0] = p[0] == NO_INITIAL_STATE ? 2.0 * v[0] + 1.0 : 1.0;
+    J[0] = p[0] == SINGULAR_START ? 0.0 : p[0] == NO_INITIAL_STATE ? 2.0 * v[0] + 1.0 : 1.0;
 }
 
 void model_indicators(MODEL_CONTINUOUS_ARGUMENTS, double *g)
@@ -82,6 +97,7 @@ int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *
     ARGUMENTS_UNUSED, (void)fired, (void)initial;
     int high = c[0] != 0.0;
     d_new[0] = p[0] == FLIP_FLOP && high ? 1.0 - d[0] : p[0] == RUNAWAY && high ? pre[0] + 1.0 : 0.0;
-    x_new[0] = v[0];
-    return p[0] == TERMINATE && high;
+    if (p[0] == BAD_DISCRETE && high) d_new[0] = NAN;
+    x_new[0] = p[0] == BAD_REINIT && high ? NAN : v[0];
+    return (p[0] == TERMINATE && high) || p[0] == TERMINATE_AT_ONCE;
 }

@@ -63,7 +63,13 @@ static void initial_system(void *context, const double *v, double *r, double *J)
 static int solve_initial(Simulation *m)
 {
     Newton *w = &m->newton;
-    NewtonOutcome outcome = newton_solve(w, MODEL_NV, initial_system, &m->s, model_nominal, m->s.v);
+    double *v = m->s.v;
+    NewtonOutcome outcome = newton_solve(w, MODEL_NV, initial_system, &m->s, model_nominal, v);
+    if (outcome == NEWTON_SINGULAR) {
+        /* Start values of zero are often a singular point, as for a linkage: stretched out. */
+        for (int i = 0; i < MODEL_NV; i++) v[i] += 0.01 * (1 + i % 3) * model_nominal[i];
+        outcome = newton_solve(w, MODEL_NV, initial_system, &m->s, model_nominal, v);
+    }
     if (outcome == NEWTON_SOLVED) return 1;
     char text[700];
     size_t used = 0;
@@ -76,7 +82,9 @@ static int solve_initial(Simulation *m)
                                  model_initial_texts[worst], w->r[worst]);
         w->r[worst] = 0.0;
     }
-    return simulation_fail(m, "The initial equations %s at %s. The equations farthest from their solution: %s.",
+    return simulation_fail(m,
+                           "The initial equations %s; the unknown concerned is %s. The equations farthest from their "
+                           "solution: %s. Check the start values and parameters in them.",
                            outcome == NEWTON_SINGULAR ? "are singular" : "cannot be solved",
                            model_unknown_names[w->worst], used ? text : "none");
 }
@@ -126,15 +134,20 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
 {
     State *s = &m->s;
     double d_new[MODEL_ROOM(MODEL_ND)];
+    unsigned char unsettled[MODEL_ROOM(MODEL_NG)] = {0};
     int terminate = 0;
     for (int pass = 0; pass < MAX_PASSES; pass++) {
         if (!(initial ? solve_initial(m) : simulation_solve_algebraic(m, s->t, s->v))) return 0;
         int changes = update_relations(m, pass >= SIMULTANEOUS_PASSES);
+        if (pass >= MAX_PASSES / 2)
+            for (int k = 0; k < MODEL_NG; k++) unsettled[k] |= m->changing[k];
         memcpy(d_new, s->d, sizeof d_new);
         memcpy(x_new, s->v, MODEL_NX * sizeof *x_new);
         if (MODEL_ND > 0 || MODEL_NX > 0 || MODEL_NG > 0)
             terminate = model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, initial, d_new, x_new);
         for (int i = 0; i < MODEL_ND; i++) {
+            if (isnan(d_new[i]))
+                return simulation_fail(m, "At t = %.9g s the discrete variable %d is not a number.", s->t, i + 1);
             if (s->d[i] != d_new[i]) changes++;
             s->d[i] = d_new[i];
         }
@@ -144,6 +157,7 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
         }
     }
     char text[512];
+    memcpy(m->changing, unsettled, sizeof unsettled);
     simulation_changing_relations(m, text, sizeof text);
     return simulation_fail(m, "At t = %.9g s the event iteration finds no consistent state: %s%s keep changing.", s->t,
                            text[0] ? "the relations " : "the discrete variables", text);
@@ -159,7 +173,10 @@ static int iterate(Simulation *m, double *fired, int *discontinuous, int *reinit
         memcpy(pre, s->d, sizeof pre);
         if (!settle(m, pre, fired, 0, x_new)) return 0;
         for (int i = 0; i < MODEL_NX; i++)
-            if (x_new[i] != s->v[i]) {
+            if (!isfinite(x_new[i])) {
+                return simulation_fail(m, "At t = %.9g s reinit() sets %s to %g.", s->t, model_unknown_names[i],
+                                       x_new[i]);
+            } else if (x_new[i] != s->v[i]) {
                 s->v[i] = x_new[i];
                 again = *reinitialised = 1;
             }
@@ -211,6 +228,7 @@ static void restart(Simulation *m, int reinitialised)
     if (!reinitialised || !(s->control.h > 0.0)) return;
     model_rhs(s->t, s->v, s->u, s->p, s->d, s->c, m->rodas.f);
     memcpy(m->rodas.v, s->v, sizeof s->v);
+    m->rodas.t = s->t;
     s->counters[COUNTER_RHS]++;
     s->control.h = fmin(s->control.h, rodas_first_step(&m->rodas, s->tolerance));
 }

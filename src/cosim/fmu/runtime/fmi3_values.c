@@ -123,22 +123,22 @@ static bool may_set(Instance *i, const char *function, fmi3ValueReference refere
     return false;
 }
 
-/* Returns whether the value is a new one. */
-static bool set(Instance *i, fmi3ValueReference reference, double value)
+/* Notes in changed[0] a new value of an input, in changed[1] one of a parameter. */
+static void set(Instance *i, fmi3ValueReference reference, double value, bool changed[2])
 {
     const ModelVariable *variable = &model_variables[reference];
     State *s = &i->sim.s;
-    double *place = variable->store == STORE_INPUT ? &s->u[variable->index] : &s->p[variable->index];
-    if (*place == value) return false;
+    bool parameter = variable->store == STORE_PARAMETER;
+    double *place = parameter ? &s->p[variable->index] : &s->u[variable->index];
+    changed[parameter] |= *place != value;
     *place = value;
-    return true;
 }
 
-static void after_setting(Instance *i)
+static void after_setting(Instance *i, bool parameters)
 {
     State *s = &i->sim.s;
     if (s->mode & (INSTANTIATED | INITIALIZATION_MODE)) s->initialised = 0;
-    simulation_changed(&i->sim);
+    simulation_changed(&i->sim, parameters);
 }
 
 /* All values are looked at before the first is set, so that a refused call changes nothing. */
@@ -151,9 +151,9 @@ static void after_setting(Instance *i)
         if (!i || !counts_agree(i, __func__, valueReferences, nValueReferences, values, nValues)) return fmi3Error; \
         for (size_t k = 0; k < nValues; k++)                                                                        \
             if (!may_set(i, __func__, valueReferences[k], TYPE, (double)values[k])) return fmi3Error;               \
-        bool changed = false;                                                                                       \
-        for (size_t k = 0; k < nValues; k++) changed |= set(i, valueReferences[k], (double)values[k]);              \
-        if (changed) after_setting(i);                                                                              \
+        bool changed[2] = {false, false};                                                                           \
+        for (size_t k = 0; k < nValues; k++) set(i, valueReferences[k], (double)values[k], changed);                \
+        if (changed[0] || changed[1]) after_setting(i, changed[1]);                                                 \
         return fmi3OK;                                                                                              \
     }
 

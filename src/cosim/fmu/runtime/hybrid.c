@@ -40,9 +40,9 @@ void simulation_reset(Simulation *m)
     m->have = 0;
 }
 
-void simulation_changed(Simulation *m)
+void simulation_changed(Simulation *m, int parameters)
 {
-    model_parameters(m->s.p);
+    if (parameters) model_parameters(m->s.p);
     m->s.event_due = 1;
     m->have = 0;
 }
@@ -110,8 +110,6 @@ static int take_step(Simulation *m, double to)
         s->counters[COUNTER_RHS] += 5;
         if (error <= 1.0) {
             control_accept(&s->control, h, error);
-            /* A step that was cut short and was far too short for its error says nothing against the longer one. */
-            if (h < wanted && s->control.h >= CONTROL_MOST_GROWTH * h) s->control.h = fmax(s->control.h, wanted);
             s->counters[COUNTER_STEPS]++;
             return 1;
         }

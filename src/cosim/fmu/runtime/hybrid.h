@@ -71,8 +71,8 @@ typedef enum { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_TERMINATED, ADVANCE_FAILE
 /* Start values of inputs and parameters; forget everything else. */
 void simulation_reset(Simulation *m);
 
-/* An input or a parameter was set: what was derived from it is no longer valid. */
-void simulation_changed(Simulation *m);
+/* Inputs or parameters were set: what was derived from them is no longer valid. */
+void simulation_changed(Simulation *m, int parameters);
 
 /* Solve the initial equations at s.t. */
 int simulation_initialise(Simulation *m);

@@ -125,20 +125,26 @@ double rodas_first_step(const Rodas *r, double tolerance)
     double rate = 0.0;
     for (int i = 0; i < MODEL_NX; i++) rate = fmax(rate, fabs(r->f[i]) / (fabs(r->v[i]) + model_nominal[i]));
     double h = 0.5 * sqrt(sqrt(tolerance)) / rate;
-    return isfinite(h) ? h : 1e-6;
+    return fmax(isfinite(h) ? h : 1e-6, 1e-12 * fmax(1.0, fabs(r->t)));
 }
 
 /* Gustafsson's predictive controller with the limits of Hairer's code. */
-static const double SAFETY = 0.9, MOST_SHRINKAGE = 0.2;
+static const double SAFETY = 0.9, MOST_GROWTH = 6.0, MOST_SHRINKAGE = 0.2;
 
 static double limited(double factor)
 {
-    return fmin(CONTROL_MOST_GROWTH, fmax(MOST_SHRINKAGE, factor));
+    return fmin(MOST_GROWTH, fmax(MOST_SHRINKAGE, factor));
 }
 
 void control_accept(StepControl *control, double h, double error)
 {
     double factor = limited(SAFETY / sqrt(sqrt(error)));
+    if (h < control->h) {
+        /* Cut to end where it had to. If that was far too short for its error, it says nothing of the longer step. */
+        control->h = factor < MOST_GROWTH ? h * factor : fmax(control->h, h * factor);
+        control_restart(control);
+        return;
+    }
     if (control->h_accepted > 0.0) {
         double predicted = SAFETY * (h / control->h_accepted) * sqrt(sqrt(control->error_accepted / (error * error)));
         factor = fmin(factor, limited(predicted));

@@ -49,10 +49,7 @@ void rodas_dense(const Rodas *r, double theta, double *v);
 /* A careful first step from where rodas_begin was called. */
 double rodas_first_step(const Rodas *r, double tolerance);
 
-/* A step is followed by one at most this much longer. */
-#define CONTROL_MOST_GROWTH 6.0
-
-/* Learn from an attempt. */
+/* Learn from an attempt with the step h, which is control->h unless it had to be cut. */
 void control_accept(StepControl *control, double h, double error);
 void control_reject(StepControl *control, double h, double error);
 
