@@ -211,8 +211,8 @@ def _draw_lines(place: Axes, time: NDArray[np.float64], axis: _Axis, since: int)
             time,
             values[since:],
             label=name,
-            color="#999999" if faint else next(colours),
-            linewidth=0.8 if faint else 1.4,
+            color="#BBBBBB" if faint else next(colours),
+            linewidth=3.0 if faint else 1.4,
             linestyle="--" if variable in axis.panel.dashed else "-",
         )
     if axis.panel.bounds is not None:
