@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT-0
  * sizes: NX=1 NZ=2 NU=1 NG=1 NY=1 NL=2 NVARIABLES=15
  *
- * x' = -z1, 0 = z1^3 + z1 - x - u - (if z1 > 0.5 then 0.1 else 0), 0 = z2 - exp(-z1), y = z1 + z2; as locals the two residuals.
+ * x' = -z1, 0 = z1^3 + z1 - x - u - (if z1 > 0.5 then 0.1 else 0), 0 = z2 - exp(-z1), y = z1 + z2; as locals the two
+ * residuals.
  */
 #include "sample.h"
 

@@ -116,7 +116,7 @@ void model_initial_jacobian(MODEL_CONTINUOUS_ARGUMENTS, double *J);
 void model_outputs(MODEL_CONTINUOUS_ARGUMENTS, double *y);
 void model_locals(MODEL_CONTINUOUS_ARGUMENTS, double *l);
 
-/* Index of the first violated assertion, or -1. */
+/* Index of the first violated assertion, or -1. Errors must come before warnings: a lasting warning would hide them. */
 int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS);
 
 /* One pass over the discrete equations at an event.
