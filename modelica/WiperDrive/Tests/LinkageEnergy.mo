@@ -7,11 +7,12 @@ model LinkageEnergy "Balance of energy of the linkage plant over a start, a soft
   Types.Energy E_in(start=0, fixed=true) "Energy given by the supply and the surroundings";
   Types.Energy E_out(start=0, fixed=true) "Energy turned into heat and taken by the load";
   Types.Energy E_stored "Energy of the motion, the position and the magnetic fields";
-  parameter Types.Energy E_0(fixed=false) "Energy stored at the start [A] follows from the start position";
+  Types.Energy E_0 "Energy stored at the start";
   Types.Energy E_error "What the balance of energy leaves over";
 initial equation
   E_0 = E_stored;
 equation
+  der(E_0) = 0;
   der(E_in) = plant.P_supply + plant.P_disturbance;
   der(E_out) = plant.P_copper + plant.P_rotor + plant.P_gear + plant.P_joints + plant.P_load;
   E_stored = plant.E_kinetic + plant.E_potential + plant.E_magnetic;
