@@ -183,6 +183,18 @@ def test_simulation_that_starts_late_meets_the_next_tick() -> None:
     assert sample.get(2, kind="Int32") == 1
 
 
+@pytest.mark.parametrize("change", [0.3, 0.3 - 1e-10, 0.25])
+def test_state_event_does_not_bring_a_tick_forward(change: float) -> None:
+    """A relation changes at the end of a step, where a tick has to wait for the inputs of the next step."""
+    sample = Sample("sampler").start(v8=0.1, v11=change)
+    for k in range(5):
+        sample.set(1, float(k))
+        sample.step_to((k + 1) / 10)
+        assert sample.get(3) == float(k)
+        assert sample.get(2, kind="Int32") == k + 1
+    assert sample.counters(12)["state_events"] == 1
+
+
 def test_event_mode_reads_the_inputs_set_in_it() -> None:
     sample = Sample("sampler", events=True, early=True).start(v8=0.1)
     for k in range(30):

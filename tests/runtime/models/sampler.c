@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT-0
- * sizes: NX=1 NU=1 NP=3 ND=4 NS=2 NY=1 NVARIABLES=18
+ * sizes: NX=1 NU=1 NP=4 ND=4 NG=1 NS=2 NY=1 NVARIABLES=18
  *
  * when sample(start, interval) then count = pre(count) + 1; hold = u; odd = not pre(odd); end when;
  * when sample(0, interval2) then level = mod(pre(level), 3) + 1; end when;
@@ -20,14 +20,16 @@ const ModelVariable model_variables[MODEL_NVARIABLES] = {
     REAL(STORE_PARAMETER, 0, SET_BEFORE_INITIALIZATION_ENDS), /* interval */
     REAL(STORE_PARAMETER, 1, SET_BEFORE_INITIALIZATION_ENDS), /* start */
     REAL(STORE_PARAMETER, 2, SET_BEFORE_INITIALIZATION_ENDS), /* interval2 */
-    REAL(STORE_TIME, 0, SET_NEVER),
+    REAL(STORE_PARAMETER, 3, SET_BEFORE_INITIALIZATION_ENDS), /* when a relation changes, with no other effect */
     COUNTER_VARIABLES,
 };
 const double model_start_inputs[1] = {0.0};
-const double model_start_parameters[3] = {0.1, 0.0, 1000.0};
+const double model_start_parameters[4] = {0.1, 0.0, 1000.0, 1e9};
 const double model_nominal[1] = {1.0};
 const char *const model_unknown_names[1] = {"x"};
 const char *const model_initial_texts[1] = {"x = 0"};
+const unsigned char model_relation_strict[1] = {0};
+const char *const model_relation_texts[1] = {"time >= change"};
 
 void model_start(const double *p, double *v, double *d)
 {
@@ -55,6 +57,12 @@ void model_clocks(const double *p, double *start, double *interval)
     interval[0] = p[0];
     start[1] = 0.0;
     interval[1] = p[2];
+}
+
+void model_indicators(MODEL_CONTINUOUS_ARGUMENTS, double *g)
+{
+    ARGUMENTS_UNUSED;
+    g[0] = t - p[3];
 }
 
 void model_outputs(MODEL_CONTINUOUS_ARGUMENTS, double *y)

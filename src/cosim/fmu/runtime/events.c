@@ -233,12 +233,12 @@ static void restart(Simulation *m, int reinitialised)
     s->control.h = fmin(s->control.h, rodas_first_step(&m->rodas, s->tolerance));
 }
 
-int simulation_event(Simulation *m, int *reinitialised)
+int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
 {
     State *s = &m->s;
     double fired[MODEL_ROOM(MODEL_NS)] = {0};
     int discontinuous = 0, reinit = 0;
-    if (take_ticks(s, fired)) s->counters[COUNTER_TIME_EVENTS]++;
+    if (with_ticks && take_ticks(s, fired)) s->counters[COUNTER_TIME_EVENTS]++;
     m->have = 0;
     if (!iterate(m, fired, &discontinuous, &reinit)) return 0;
     s->event_due = 0;

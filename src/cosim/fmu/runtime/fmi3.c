@@ -178,7 +178,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
         !valuesOfContinuousStatesChanged || !nextEventTimeDefined || !nextEventTime)
         return instance_error(i, "fmi3UpdateDiscreteStates: an output argument is null.");
     int reinitialised = 0;
-    if (!simulation_event(&i->sim, &reinitialised)) return failed(i);
+    if (!simulation_event(&i->sim, 1, &reinitialised)) return failed(i);
     double next = simulation_next_tick(&i->sim);
     *discreteStatesNeedUpdate = fmi3False;
     *terminateSimulation = i->sim.s.terminate != 0;
@@ -198,7 +198,7 @@ static Advance run(Instance *i, double to, bool *event_needed)
     while (m->s.t < to) {
         if (m->s.terminate) return ADVANCE_TERMINATED;
         /* The ticks at the start of a step belong to it, those at its end to the next. */
-        if (simulation_tick_is_due(m) && !simulation_event(m, NULL)) return ADVANCE_FAILED;
+        if (simulation_tick_is_due(m) && !simulation_event(m, 1, NULL)) return ADVANCE_FAILED;
         double tick = simulation_next_tick(m);
         bool tick_inside = tick < to - SAME_INSTANT;
         Advance outcome = simulation_advance(m, tick_inside ? tick : to, stop_at_events);

@@ -160,7 +160,7 @@ static void move_to(Simulation *m, double theta, double to)
 Advance simulation_advance(Simulation *m, double to, int stop_at_events)
 {
     State *s = &m->s;
-    if (s->event_due && !simulation_event(m, NULL)) return ADVANCE_FAILED;
+    if (s->event_due && !simulation_event(m, 0, NULL)) return ADVANCE_FAILED;
     while (s->t < to) {
         if (s->terminate) return ADVANCE_TERMINATED;
         if (!take_step(m, to)) return ADVANCE_FAILED;
@@ -172,7 +172,7 @@ Advance simulation_advance(Simulation *m, double to, int stop_at_events)
             if (!simulation_solve_algebraic(m, s->t, s->v) || !count_state_event(m)) return ADVANCE_FAILED;
             s->event_due = 1;
             if (stop_at_events) return ADVANCE_EVENT;
-            if (!simulation_event(m, NULL)) return ADVANCE_FAILED;
+            if (!simulation_event(m, 0, NULL)) return ADVANCE_FAILED;
         } else if (!simulation_check_assertions(m)) {
             return ADVANCE_FAILED;
         }

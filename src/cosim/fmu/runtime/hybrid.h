@@ -80,9 +80,10 @@ int simulation_initialise(Simulation *m);
 /* Integrate to s.t = to exactly, at most up to the next state event if stop_at_events. Knows nothing of clocks. */
 Advance simulation_advance(Simulation *m, double to, int stop_at_events);
 
-/* One event at s.t: the clock ticks that are due and everything that follows from them.
+/* One event at s.t and everything that follows from it. The clock ticks that are due take part only if with_ticks: those
+ * at the end of a communication step have to wait for the importer's inputs.
  * reinitialised (may be NULL) tells whether a state was set. */
-int simulation_event(Simulation *m, int *reinitialised);
+int simulation_event(Simulation *m, int with_ticks, int *reinitialised);
 
 /* Time of the next clock tick, INFINITY if there is none; whether it is at s.t. */
 double simulation_next_tick(const Simulation *m);
