@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -118,6 +119,15 @@ def test_plots_of_any_other_system(tmp_path: Path) -> None:
     columns = {f"tank.h{index}": time * index for index in range(9)} | {"tank.q": time, "tank.n": time.astype(int)}
     units = {name: "m" for name in columns if ".h" in name} | {"tank.q": "strange/unit/here"}
     assert [path.name for path in plot(Result(time, columns, units), tmp_path)] == ["overview.png"]
+
+
+def test_odd_titles_names_and_values_are_drawn(tmp_path: Path) -> None:
+    time = np.linspace(0, 1, 11)
+    odd = np.array([np.nan, np.inf, -np.inf, 1e308, -1e308, 0, 1, 2, 3, 4, 5])
+    columns = {"a.$x$_{": time, "a.inf": odd, "a.nan": np.full(11, np.nan)}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        assert len(plot(Result(time, columns), tmp_path, "from $5 to $6_{ \u96e8")) == 1
 
 
 def test_nothing_to_draw(tmp_path: Path) -> None:

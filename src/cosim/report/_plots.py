@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -98,11 +99,16 @@ def plot(result: Result, folder: Path, title: str = "") -> list[Path]:
     figures = {name: [axis for axis in axes if axis.panel.figure == name][:_MOST_PANELS] for name in FIGURES}
     if end > 2 * _DETAIL_SECONDS:
         figures["detail"] = figures["overview"]
-    return [
-        _draw(result, chosen, folder / f"{name}.png", heading, end - _DETAIL_SECONDS if name == "detail" else 0.0)
-        for name, chosen in figures.items()
-        if chosen
-    ]
+    import matplotlib as mpl  # slow to import, and not needed without plots
+
+    # Titles and names are shown as they are: no formulas between dollar signs, no words about glyphs a font lacks.
+    with mpl.rc_context({"text.parse_math": False}), warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        return [
+            _draw(result, chosen, folder / f"{name}.png", heading, end - _DETAIL_SECONDS if name == "detail" else 0.0)
+            for name, chosen in figures.items()
+            if chosen
+        ]
 
 
 def _panels(result: Result) -> list[_Axis]:
@@ -209,7 +215,7 @@ def _draw_lines(place: Axes, time: NDArray[np.float64], axis: _Axis, since: int)
         faint = variable in axis.panel.faint and len(axis.lines) > 1
         place.plot(
             time,
-            values[since:],
+            _drawable(values[since:]),
             label=name,
             color="#BBBBBB" if faint else next(colours),
             linewidth=3.0 if faint else 1.4,
@@ -222,6 +228,11 @@ def _draw_lines(place: Axes, time: NDArray[np.float64], axis: _Axis, since: int)
     place.legend(
         loc="lower right", bbox_to_anchor=(1, 0.98), ncols=_MOST_LINES, fontsize=8, frameon=False, borderaxespad=0
     )
+
+
+def _drawable(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the values without those, of a run that diverged, whose differences are beyond what axes can span."""
+    return np.where(np.abs(values) < 1e300, values, np.nan)
 
 
 def _draw_states(place: Axes, time: NDArray[np.float64], axis: _Axis, since: int) -> None:
