@@ -16,23 +16,28 @@ from cosim.modelica import flat as fm
 from cosim.modelica.expressions import Array, Binary, Call, Expression, Reference, render, render_equation
 
 
-def lower_discrete(symbols: Symbols) -> set[fm.Equation]:
-    """Fill ``system.assignments``, ``reinits``, ``checks`` and ``terminations``; returns the equations used up.
+def lower_discrete(symbols: Symbols) -> tuple[list[Assignment], set[fm.Equation]]:
+    """Fill ``system.reinits`` and ``terminations``; returns the assignments, in any order, and the equations used up.
 
     Raises:
-        ModelError: a discrete variable has no equation or two, or discrete equations need each other's result.
+        ModelError: a discrete variable has no equation or two.
     """
     assignments: list[Assignment] = []
     for when in symbols.flat.whens:
         assignments += _When(symbols, when).lower()
     assigned = {target for assignment in assignments for target in assignment.targets}
     used, equations = _equations(symbols, assigned)
-    assignments += equations
-    for name, value, at in symbols.held_values:
-        text = next(text for text, held in symbols.held.items() if held == name)
-        assignments.append(Assignment((name,), value, None, f"{name} = {text}", at))
-    symbols.system.assignments = _ordered(symbols, assignments)
-    return used
+    return assignments + equations, used
+
+
+def order_discrete(symbols: Symbols, assignments: list[Assignment]) -> None:
+    """Fill ``system.assignments``, the integers that the continuous equations hold with them.
+
+    Raises:
+        ModelError: discrete equations need each other's result.
+    """
+    held = [Assignment((h.name,), ca.floor(h.value), None, f"{h.name} = floor in {h.text}", h.at) for h in symbols.held]
+    symbols.system.assignments = _ordered(symbols, assignments + held)
 
 
 class _When:
@@ -93,7 +98,9 @@ class _When:
         name = f"$when{sum(n.startswith('$when') for n in self._system.discretes) + 1}"
         declare_held(self._symbols, name, "Boolean")
         self._extra.append(Assignment((name,), value, None, f"{name} = {render(condition)}", self._when.at))
-        return ca.logic_and(self._symbols.new[name], ca.logic_not(self._symbols.pre[name]))
+        # during initialisation only initial() makes a when-clause act (Modelica 8.6)
+        before = ca.logic_or(self._symbols.pre[name], self._system.initial)
+        return ca.logic_and(self._symbols.new[name], ca.logic_not(before))
 
     def _equations(self, actions: tuple[fm.Action, ...]) -> dict[str, SX]:
         evaluate = Evaluator(self._symbols, Mode.SAMPLED)

@@ -52,6 +52,16 @@ class Mode(enum.Enum):
     """Inside when: evaluated once at the event, relations are plain comparisons."""
 
 
+@dataclass(frozen=True)
+class Held:
+    """A discrete variable that holds floor(value) between events."""
+
+    name: str
+    value: SX
+    text: str
+    at: int
+
+
 @dataclass
 class Symbols:
     """All names of a model: the declaration and the CasADi symbols of each, array elements in one matrix."""
@@ -62,9 +72,7 @@ class Symbols:
     pre: dict[str, SX] = field(default_factory=dict)
     new: dict[str, SX] = field(default_factory=dict)
     scalars: dict[str, Scalar] = field(default_factory=dict)
-    held: dict[str, str] = field(default_factory=dict)
-    """Name of the discrete variable that holds floor(expression), by the text of the expression."""
-    held_values: list[tuple[str, SX, int]] = field(default_factory=list)
+    held: list[Held] = field(default_factory=list)
 
 
 def element_names(name: str, dimensions: tuple[int, ...]) -> list[str]:
@@ -155,8 +163,11 @@ class Evaluator:
             message = f"{node.name} is not a parameter, so it cannot stand in a parameter's value or a start"
             raise self.error(message, node)
         if known or variable.causality == "input" or variable.variability == "continuous":
-            if self.reading_pre and not known:
-                raise self.error(f"pre({node.name}): only discrete variables have a value before the event", node)
+            # the left limit at the event; reinit() takes effect after the when-clauses
+            if self.reading_pre and not known and self.mode is not Mode.SAMPLED:
+                raise self.error(
+                    f"pre({node.name}): a continuous variable has a value before the event only inside when", node
+                )
             return symbols.values[node.name]
         if self.reading_pre:
             return symbols.pre[node.name]
@@ -358,15 +369,14 @@ class Evaluator:
         if self.mode in (Mode.PARAMETER, Mode.SAMPLED) or self.no_event or not self._varies(value):
             return ca.floor(value)
         symbols, text = self.symbols, render(node)
-        if text not in symbols.held:
+        name = next((h.name for h in symbols.held if ca.is_equal(h.value, value, 50)), None)
+        if name is None:
             name = f"$floor{len(symbols.held) + 1}"
-            symbols.held[text] = name
+            symbols.held.append(Held(name, value, text, node.at))
             declare_held(symbols, name)
             held = symbols.values[name]
             self._event(value - held, False, f"{text} steps down")
             self._event(held + 1 - value, True, f"{text} steps up")
-            symbols.held_values.append((name, ca.floor(value), node.at))
-        name = symbols.held[text]
         return symbols.values[name] if self.mode is Mode.CONTINUOUS else symbols.new[name]
 
 

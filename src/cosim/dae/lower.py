@@ -6,7 +6,7 @@ import graphlib
 
 import casadi as ca
 
-from cosim.dae.discrete import lower_discrete
+from cosim.dae.discrete import lower_discrete, order_discrete
 from cosim.dae.evaluate import Evaluator, Mode, Symbols, element_names
 from cosim.dae.hybrid import SX, Check, Equation, HybridSystem, Parameter, Scalar
 from cosim.modelica.expressions import Expression, Reference, children, render_equation
@@ -30,7 +30,7 @@ def lower(flat: FlatModel) -> HybridSystem:
         _declare(symbols, variable)
     _parameters(symbols)
     _starts(symbols)
-    discrete = lower_discrete(symbols)
+    assignments, discrete = lower_discrete(symbols)
     continuous = Evaluator(symbols, Mode.CONTINUOUS)
     for equation in flat.equations:
         if equation in discrete:
@@ -45,6 +45,7 @@ def lower(flat: FlatModel) -> HybridSystem:
     checking = Evaluator(symbols, Mode.CONTINUOUS, no_event=True)
     for assertion in flat.assertions:
         system.checks.append(Check(checking(assertion.condition), assertion.message, assertion.is_error, assertion.at))
+    order_discrete(symbols, assignments)
     return system
 
 

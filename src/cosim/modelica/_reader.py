@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -17,6 +18,7 @@ from cosim.modelica.expressions import (
     Range,
     Reference,
     Unary,
+    put_in,
 )
 from cosim.modelica.flat import (
     Action,
@@ -88,9 +90,6 @@ class _Reader:
         ):
             if tree.get(key):
                 raise self._source.error(f"{what} are not supported yet", self._source.find_class(name))
-        for family in tree["structured_equations"]:
-            if not family["template"]["interiors_materialized"]:
-                raise self._source.error("this for-loop could not be expanded", self._at(family))
         whens = [self._when(chain) for chain in tree["when_chains"]]
         for algorithm in tree["algorithms"]:
             whens += self._algorithm(algorithm)
@@ -103,7 +102,7 @@ class _Reader:
             source=self._source,
             description=tree["model_description"],
             variables=variables,
-            equations=(*self._bindings(variables), *(self._equation(node) for node in tree["equations"])),
+            equations=(*self._bindings(variables), *self._equations()),
             initial_equations=tuple(self._equation(node) for node in tree["initial_equations"]),
             whens=tuple(whens),
             assertions=tuple(self._assertion(node) for node in tree["assert_equations"]),
@@ -185,6 +184,23 @@ class _Reader:
 
     def _optional(self, node: Tree | None) -> Expression | None:
         return None if node is None else self.expression(node)
+
+    def _equations(self) -> list[Equation]:
+        """The equations, with those that the flat tree gives only as the template of a for-loop put in their places."""
+        equations = [self._equation(node) for node in self._tree["equations"]]
+        for family in self._tree["structured_equations"]:
+            if family["interiors_materialized"]:
+                continue
+            body = [self.expression(residual) for residual in family["template"]["body"]]
+            binders = family["domain"]["binders"]
+            ranges = [range(b["lower"], b["upper"] + (1 if b["step"] > 0 else -1), b["step"]) for b in binders]
+            position = int(family["first_equation_index"])
+            for point in itertools.product(*ranges):
+                indices = {b["display_name"]: Literal(k, self._at(family)) for b, k in zip(binders, point, strict=True)}
+                for residual in body:
+                    equations[position] = replace(equations[position], residual=put_in(residual, indices))
+                    position += 1
+        return equations
 
     def _equation(self, node: Tree) -> Equation:
         tag, content = _tag(node["origin"])

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -118,6 +118,35 @@ def children(expression: Expression) -> Iterator[Expression]:
             yield end
         case Comprehension(element=element, domain=domain):
             yield from (element, domain)
+
+
+def put_in(expression: Expression, values: Mapping[str, Expression]) -> Expression:
+    """Put expressions in for the plain references of these names."""
+
+    def walk(node: Expression) -> Expression:
+        match node:
+            case Literal():
+                return node
+            case Reference(name=name, subscripts=()) if name in values:
+                return values[name]
+            case Reference(subscripts=subscripts):
+                return replace(node, subscripts=tuple(None if s is None else walk(s) for s in subscripts))
+            case Unary(operand=operand):
+                return replace(node, operand=walk(operand))
+            case Binary(left=left, right=right):
+                return replace(node, left=walk(left), right=walk(right))
+            case If(branches=branches, otherwise=otherwise):
+                return replace(node, branches=tuple((walk(c), walk(v)) for c, v in branches), otherwise=walk(otherwise))
+            case Call(arguments=arguments):
+                return replace(node, arguments=tuple(walk(a) for a in arguments))
+            case Array(elements=elements):
+                return replace(node, elements=tuple(walk(e) for e in elements))
+            case Range(start=start, step=step, end=end):
+                return replace(node, start=walk(start), step=None if step is None else walk(step), end=walk(end))
+            case Comprehension(element=element, domain=domain):
+                return replace(node, element=walk(element), domain=walk(domain))
+
+    return walk(expression)
 
 
 def calls(expression: Expression, function: str) -> Iterator[Call]:

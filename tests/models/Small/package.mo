@@ -1,0 +1,2 @@
+package Small "Small models, each with a law that a test states"
+end Small;
