@@ -168,8 +168,7 @@ INPUTS = "inputs are plant.duty, plant.v_supply, plant.lights, plant.gear, plant
     [
         (
             "set: plant.ext_lod = 4 N.m",
-            f"4: unknown parameter 'plant.ext_lod', did you mean 'plant.ext_load'?; {PARAMETERS}, "
-            "controller.T_compute, controller.T_sample",
+            f"4: unknown parameter 'plant.ext_lod', did you mean 'plant.ext_load'?; {PARAMETERS}",
         ),
         (
             "set: v_supply = 24 V",
@@ -178,6 +177,11 @@ INPUTS = "inputs are plant.duty, plant.v_supply, plant.lights, plant.gear, plant
         (
             "set: motor.i = 1 A",
             f"4: 'plant.motor.i' is computed by the model, not a parameter; {PARAMETERS}, "
+            "controller.T_compute, controller.T_sample",
+        ),
+        (
+            "set: ext_lod = 4 N.m",
+            f"4: unknown parameter 'ext_lod', did you mean 'plant.ext_load'?; {PARAMETERS}, "
             "controller.T_compute, controller.T_sample",
         ),
         ("set: ext_load = 4", "4: '4' is in 1, 'plant.ext_load' is in N.m; write for example 4 N.m"),

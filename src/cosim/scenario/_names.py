@@ -44,7 +44,7 @@ def resolve(name: str, components: Sequence[Component], wanted: str) -> tuple[En
         return fitting[0]
     if found:
         raise _wrong_causality(*found[0], components, wanted)
-    known = _known(components, wanted)
+    known = _known([c for c in components if c.name == head] or components, wanted)
     what = {"input": "channel", "parameter": "parameter"}[wanted]
     raise InputError(f"unknown {what} '{name}'{suggestion(name, known)}; {_listing(known, wanted)}")
 
