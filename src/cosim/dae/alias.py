@@ -6,6 +6,7 @@ This comes before index reduction: connections make most of a model's equations,
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
 
 from cosim.dae.chains import Alias, Chains, Node
 from cosim.dae.hybrid import SX, Equation, HybridSystem, Scalar
@@ -18,6 +19,12 @@ def eliminate_aliases(system: HybridSystem) -> Chains:
     state = _Elimination(system)
     while state.round():
         pass
+    return state.chains()
+
+
+def plain_chains(system: HybridSystem) -> Chains:
+    """The system as it stands, nothing eliminated."""
+    state = _Elimination(system)
     return state.chains()
 
 
@@ -79,7 +86,7 @@ class _Elimination:
             return None
         coefficients = ca.DM(ca.densify(jacobian)).full().ravel()
         scale = abs(coefficients[0])
-        if scale == 0 or any(abs(abs(c) - scale) > 0 for c in coefficients):
+        if not 0 < scale < np.inf or any(abs(c) != scale for c in coefficients):
             return None
         rest = ca.simplify(ca.substitute(residual, unknown, ca.DM.zeros(len(involved))) / scale)
         if len(involved) == 2 and not rest.is_zero():
@@ -112,11 +119,11 @@ class _Elimination:
         return True
 
     def _is_derivative_of(self, derivative: str, name: str) -> bool:
-        """Whether ``derivative`` belongs to the chain that starts at ``name``'s class."""
+        """Whether ``derivative`` belongs to the chain that starts at ``name``'s class, perhaps by way of other classes."""
         inner = derivative
-        while inner.startswith("der("):
-            inner = inner[4:-1]
-        return self._find(inner)[0] == name
+        while inner != name and inner.startswith("der("):
+            inner = self._find(inner[4:-1])[0]
+        return inner == name
 
     def _value(self, name: str) -> SX:
         root, sign = self._find(name)

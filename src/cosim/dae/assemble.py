@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import casadi as ca
 
-from cosim.dae.alias import eliminate_aliases
+from cosim.dae.alias import eliminate_aliases, plain_chains
 from cosim.dae.chains import Chains, Node
 from cosim.dae.dae import Dae, Published, Reset, Sizes, Unknown
 from cosim.dae.hybrid import SX, HybridSystem, Scalar
-from cosim.dae.index_reduction import Differentiated, reduce_index
+from cosim.dae.index_reduction import Differentiated, check_structure, reduce_index
 from cosim.dae.initialization import initial_system
 from cosim.dae.lower import lower
 from cosim.dae.state_selection import Selection, select_states
@@ -27,6 +27,7 @@ def compile_dae(flat: FlatModel) -> Dae:
             initial conditions; the message says which and where.
     """
     system = lower(flat)
+    check_structure(plain_chains(system))
     chains = eliminate_aliases(system)
     after_aliases = len(chains.equations)
     differentiated = reduce_index(chains)
@@ -123,7 +124,10 @@ class _Assembly:
                 for a in system.assignments
             ],
             resets=self._resets(states),
-            checks=[replace(c, condition=self.resolve(c.condition)) for c in system.checks],
+            # errors first: a warning that lasts must not hide an error behind it
+            checks=sorted(
+                (replace(c, condition=self.resolve(c.condition)) for c in system.checks), key=lambda c: not c.is_error
+            ),
             terminations=[(self.resolve(guard), message) for guard, message in system.terminations],
             initial_residuals=initial_residuals,
             initial_texts=initial_texts,

@@ -50,7 +50,7 @@ def reduce_index(chains: Chains) -> Differentiated:
         ModelError: the equations do not determine the unknowns, whatever the numbers; or an input's derivative is
             needed.
     """
-    _check_structure(chains)
+    check_structure(chains)
     return _Pantelides(chains).run()
 
 
@@ -110,8 +110,12 @@ class _Pantelides:
         return result.successor[equation]
 
 
-def _check_structure(chains: Chains) -> None:
-    """Refuse a system in which some variables have too few equations, naming them and those that have too many."""
+def check_structure(chains: Chains) -> None:
+    """Refuse a system in which some variables have too few equations, naming them and those that have too many.
+
+    Raises:
+        ModelError: there is no way to pair equations and variables.
+    """
     bases = list(chains.symbols)
     column = {base: j for j, base in enumerate(bases)}
     incidence = [sorted({column[n.base] for n in chains.nodes_in(e.residual)}) for e in chains.equations]
@@ -158,7 +162,11 @@ def _singular(chains: Chains, equations: list[int], nodes: list[Node]) -> ModelE
         texts = [chains.equations[e].text for e in equations if e < count]
         parts.append(f"too many equations in: {_some(texts)}")
         at = next((chains.equations[e].at for e in equations if e < count and chains.equations[e].at), at)
-    message = f"{chains.system.name} is structurally singular: {'; '.join(parts)}"
+    count, unknowns = len(chains.equations), len(chains.symbols)
+    what = "is structurally singular"
+    if count != unknowns:
+        what = f"has {count} equation{'s' * (count != 1)} for {unknowns} unknown{'s' * (unknowns != 1)}"
+    message = f"{chains.system.name} {what}: {'; '.join(parts)}"
     return chains.system.source.error(message, at)
 
 

@@ -46,9 +46,8 @@ def initial_system(
         elif row < required:
             _, text, at = conditions[row - len(torn)] if row >= len(torn) else (None, rows[row][1], 0)
             raise system.source.error(
-                f"{system.name}: one initial condition too many: {text}; there are {len(states)} degrees of freedom,"
-                f" the states {', '.join(u.name for u in states) or '(none)'}. Take fixed=true or an initial equation"
-                " away",
+                f"{system.name}: one initial condition too many: {text}; as many are possible as there are states:"
+                f" {', '.join(u.name for u in states) or 'none'}. Take fixed=true or an initial equation away",
                 at,
             )
     return ca.vertcat(SX(0, 1), *(rows[row][0] for row in taken)), [rows[row][1] for row in taken]

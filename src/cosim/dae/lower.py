@@ -9,8 +9,10 @@ import casadi as ca
 from cosim.dae.discrete import lower_discrete, order_discrete
 from cosim.dae.evaluate import Evaluator, Mode, Symbols, element_names
 from cosim.dae.hybrid import SX, Check, Equation, HybridSystem, Parameter, Scalar
+from cosim.errors import InputError
 from cosim.modelica.expressions import Expression, Reference, children, render_equation
 from cosim.modelica.flat import FlatModel, Variable
+from cosim.units import linear_map, parse
 
 
 def lower(flat: FlatModel) -> HybridSystem:
@@ -27,6 +29,7 @@ def lower(flat: FlatModel) -> HybridSystem:
             raise flat.source.error(f"{variable.name}: String variables are not supported yet", variable.at)
         if len(variable.dimensions) > 2:
             raise flat.source.error(f"{variable.name}: arrays have at most two dimensions here", variable.at)
+        _check_units(symbols, variable)
         _declare(symbols, variable)
     _parameters(symbols)
     _starts(symbols)
@@ -47,6 +50,15 @@ def lower(flat: FlatModel) -> HybridSystem:
         system.checks.append(Check(checking(assertion.condition), assertion.message, assertion.is_error, assertion.at))
     order_discrete(symbols, assignments)
     return system
+
+
+def _check_units(symbols: Symbols, variable: Variable) -> None:
+    try:
+        units = [parse(text) for text in (variable.unit, variable.display_unit) if text]
+        if len(units) == 2:
+            linear_map(*units)
+    except InputError as error:
+        raise symbols.flat.source.error(f"{variable.name}: {error}", variable.at) from None
 
 
 def _declare(symbols: Symbols, variable: Variable) -> None:

@@ -68,6 +68,7 @@ class _Generator:
             "ND": len(dae.discretes), "NG": len(dae.relations), "NS": len(dae.clocks), "NY": len(layout.outputs),
             "NL": len(layout.locals), "NA": len(dae.checks), "NVARIABLES": len(layout.slots),
         }  # fmt: skip
+        values["ALL_CLOCKED"] = int(_all_clocked(dae))
         lines = [f"/* Sizes of {dae.name}. */", "#ifndef COSIM_MODEL_SIZES_H", "#define COSIM_MODEL_SIZES_H", ""]
         lines += [f"#define MODEL_{name} {value}" for name, value in values.items()]
         lines += [f"#define MODEL_NAME {_string(dae.name)}", f"#define MODEL_TOKEN {_string(token)}", "", "#endif", ""]
@@ -230,6 +231,17 @@ class _Generator:
         function = ca.Function("f", [self._arguments[name] for name in arguments], list(shared))
         labels = [self._labels[name] for name in arguments]
         return print_function(function, arguments, [name for name, _ in results], labels)
+
+
+def _all_clocked(dae: Dae) -> bool:
+    """Whether a discrete model stands still but for the ticks of its clocks."""
+    fired = {clock.fired.name() for clock in dae.clocks}
+    guards = (assignment.guard for assignment in dae.assignments)
+    return (
+        not dae.unknowns
+        and not dae.relations
+        and all(guard is not None and guard.is_symbolic() and guard.name() in fired for guard in guards)
+    )
 
 
 def _groups(assignments: Sequence[Assignment]) -> list[list[Assignment]]:

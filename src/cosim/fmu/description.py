@@ -8,7 +8,7 @@ from cosim import __version__
 from cosim.dae import Dae
 from cosim.fmu.layout import Layout, Slot
 from cosim.modelica.flat import Variable
-from cosim.units import parse
+from cosim.units import linear_map, parse
 
 _ELEMENTS = {
     "TYPE_REAL": "Float64",
@@ -83,8 +83,10 @@ def _units(root: ET.Element, layout: Layout) -> None:
             base["offset"] = repr(unit.offset)
         ET.SubElement(element, "BaseUnit", base)
         for display in sorted({v.display_unit for v in _declarations(layout) if v.unit == name and v.display_unit}):
-            shown = parse(display)
-            ET.SubElement(element, "DisplayUnit", name=display, factor=repr(unit.factor / shown.factor))
+            factor, offset = linear_map(unit, parse(display))
+            shown = ET.SubElement(element, "DisplayUnit", name=display, factor=repr(factor))
+            if offset != 0.0:
+                shown.set("offset", repr(offset))
 
 
 def _types(root: ET.Element, layout: Layout) -> None:

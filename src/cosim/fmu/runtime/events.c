@@ -151,7 +151,7 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
             if (s->d[i] != d_new[i]) changes++;
             s->d[i] = d_new[i];
         }
-        if (!changes) {
+        if (!changes || MODEL_ALL_CLOCKED) {
             s->terminate |= terminate != 0;
             return 1;
         }
@@ -183,7 +183,7 @@ static int iterate(Simulation *m, double *fired, int *discontinuous, int *reinit
         for (int i = 0; i < MODEL_ND; i++)
             if (pre[i] != s->d[i]) again = *discontinuous = 1;
         for (int k = 0; k < MODEL_NS; k++) fired[k] = 0.0;
-        if (!again) return 1;
+        if (!again || MODEL_ALL_CLOCKED) return 1;
     }
     char text[512];
     simulation_changing_relations(m, text, sizeof text);
@@ -227,8 +227,8 @@ static void restart(Simulation *m, int reinitialised)
     control_restart(&s->control);
     if (!reinitialised || !(s->control.h > 0.0)) return;
     model_rhs(s->t, s->v, s->u, s->p, s->d, s->c, m->rodas.f);
-    memcpy(m->rodas.v, s->v, sizeof s->v);
-    m->rodas.t = s->t;
+    memcpy(m->rodas.step.v, s->v, sizeof s->v);
+    m->rodas.step.t = s->t;
     s->counters[COUNTER_RHS]++;
     s->control.h = fmin(s->control.h, rodas_first_step(&m->rodas, s->tolerance));
 }
@@ -238,6 +238,7 @@ int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
     State *s = &m->s;
     double fired[MODEL_ROOM(MODEL_NS)] = {0};
     int discontinuous = 0, reinit = 0;
+    s->ahead.active = 0; /* what lies ahead was computed without this event */
     if (with_ticks && take_ticks(s, fired)) s->counters[COUNTER_TIME_EVENTS]++;
     m->have = 0;
     if (!iterate(m, fired, &discontinuous, &reinit)) return 0;

@@ -189,6 +189,8 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
     return fmi3OK;
 }
 
+static const double MOST_AHEAD = 100.0;
+
 /* Advance to `to`, or to where the importer has to handle an event. */
 static Advance run(Instance *i, double to, bool *event_needed)
 {
@@ -201,7 +203,10 @@ static Advance run(Instance *i, double to, bool *event_needed)
         if (simulation_tick_is_due(m) && !simulation_event(m, 1, NULL)) return ADVANCE_FAILED;
         double tick = simulation_next_tick(m);
         bool tick_inside = tick < to - SAME_INSTANT;
-        Advance outcome = simulation_advance(m, tick_inside ? tick : to, stop_at_events);
+        /* Far beyond the step asked for, an event could no longer be located as accurately as within it. */
+        double limit = fmin(fmin(tick, m->s.stop), to + MOST_AHEAD * (to - m->s.t));
+        if (limit < to + SAME_INSTANT) limit = to;
+        Advance outcome = simulation_advance(m, tick_inside ? tick : to, tick_inside ? tick : limit, stop_at_events);
         if (outcome == ADVANCE_EVENT || (outcome == ADVANCE_REACHED && tick_inside && stop_at_events)) {
             *event_needed = true;
             return outcome;

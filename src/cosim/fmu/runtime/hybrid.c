@@ -85,18 +85,12 @@ static int step_is_too_small(Simulation *m, double h, int not_a_number)
     return 1;
 }
 
-/* One accepted step towards `to`, left in m->rodas: s.t and s.v are still those of its beginning. */
-static int take_step(Simulation *m, double to)
+/* One accepted step from s.t, not beyond `limit`, left in m->rodas. */
+static int take_step(Simulation *m, double limit)
 {
     State *s = &m->s;
     Held constant = held(s);
-    double rest = to - s->t;
-    m->rodas.t = s->t;
-    if (MODEL_NV == 0) {
-        m->rodas.h = rest;
-        s->counters[COUNTER_STEPS]++;
-        return 1;
-    }
+    double rest = limit - s->t;
     rodas_begin(&m->rodas, s->t, s->v, &constant);
     s->counters[COUNTER_RHS]++;
     s->counters[COUNTER_JACOBIANS]++;
@@ -117,6 +111,40 @@ static int take_step(Simulation *m, double to)
         s->counters[COUNTER_REJECTED]++;
         if (step_is_too_small(m, s->control.h, !isfinite(error))) return 0;
     }
+}
+
+/* Without continuous unknowns there is nothing to integrate, but relations of time may still change. */
+static void take_empty_step(Simulation *m, double to)
+{
+    m->rodas.step.t = m->s.t;
+    m->rodas.step.h = to - m->s.t;
+}
+
+/* Take a step into the future and note up to where it holds. */
+static int look_ahead(Simulation *m, double to, double limit)
+{
+    Ahead *ahead = &m->s.ahead;
+    if (MODEL_NV == 0) {
+        take_empty_step(m, limit = to);
+    } else if (!take_step(m, limit)) {
+        return 0;
+    }
+    const RodasStep *step = &m->rodas.step;
+    ahead->theta_end = 1.0;
+    ahead->ends_in_event = simulation_find_event(m, &ahead->theta_end);
+    /* The end of a step that was cut to reach the limit is the limit, whatever the sum says. */
+    double end = step->h >= limit - step->t ? limit : step->t + step->h;
+    ahead->end = ahead->theta_end < 1.0 ? fmin(step->t + ahead->theta_end * step->h, end) : end;
+    ahead->step = *step;
+    ahead->active = 1;
+    return 1;
+}
+
+static void move_to(Simulation *m, double t, double theta)
+{
+    m->s.t = t;
+    rodas_dense(&m->s.ahead.step, theta, m->s.v);
+    m->have = 0;
 }
 
 /* The state event at s.t is known: refuse to follow a burst of them. */
@@ -146,28 +174,22 @@ static void note_state_event(const Simulation *m)
     m->log(m->log_context, LOG_EVENT, text);
 }
 
-static void move_to(Simulation *m, double theta, double to)
+Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_events)
 {
     State *s = &m->s;
-    const Rodas *r = &m->rodas;
-    /* The end of a step that was cut to reach `to` is `to`, whatever the sum says. */
-    double end = r->h >= to - r->t ? to : r->t + r->h;
-    s->t = theta < 1.0 ? fmin(r->t + theta * r->h, end) : end;
-    rodas_dense(r, theta, s->v);
-    m->have = 0;
-}
-
-Advance simulation_advance(Simulation *m, double to, int stop_at_events)
-{
-    State *s = &m->s;
+    Ahead *ahead = &s->ahead;
     if (s->event_due && !simulation_event(m, 0, NULL)) return ADVANCE_FAILED;
     while (s->t < to) {
         if (s->terminate) return ADVANCE_TERMINATED;
-        if (!take_step(m, to)) return ADVANCE_FAILED;
-        double theta = 1.0;
-        int event = simulation_find_event(m, &theta);
-        move_to(m, theta, to);
-        if (event) {
+        if (!ahead->active && !look_ahead(m, to, limit)) return ADVANCE_FAILED;
+        if (ahead->end > to) {
+            move_to(m, to, (to - ahead->step.t) / ahead->step.h);
+            if (!simulation_check_assertions(m)) return ADVANCE_FAILED;
+            break;
+        }
+        move_to(m, ahead->end, ahead->theta_end);
+        ahead->active = 0;
+        if (ahead->ends_in_event) {
             note_state_event(m);
             if (!simulation_solve_algebraic(m, s->t, s->v) || !count_state_event(m)) return ADVANCE_FAILED;
             s->event_due = 1;

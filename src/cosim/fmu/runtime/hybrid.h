@@ -23,6 +23,15 @@
 #define PRINTF_LIKE(text, first)
 #endif
 
+/* The solver may be ahead of the time that the importer knows: in a step that goes beyond it. As long as no input
+ * changes, the solution is read off that step; else the step is given up. */
+typedef struct {
+    int active;
+    int ends_in_event; /* a state event is at `end`, else the step just ends there */
+    double end, theta_end; /* in seconds and as a part of the step */
+    RodasStep step;
+} Ahead;
+
 /* All that determines the future of an instance, and nothing else: saving it is copying it. */
 typedef struct {
     double t, stop, tolerance;
@@ -35,6 +44,7 @@ typedef struct {
     double clock_interval[MODEL_ROOM(MODEL_NS)];
     int64_t tick[MODEL_ROOM(MODEL_NS)]; /* number of the next tick */
     StepControl control;
+    Ahead ahead;
     double burst_start; /* when the present burst of state events began, and how many there were since */
     int64_t burst_events;
     uint64_t counters[COUNTERS];
@@ -77,8 +87,9 @@ void simulation_changed(Simulation *m, int parameters);
 /* Solve the initial equations at s.t. */
 int simulation_initialise(Simulation *m);
 
-/* Integrate to s.t = to exactly, at most up to the next state event if stop_at_events. Knows nothing of clocks. */
-Advance simulation_advance(Simulation *m, double to, int stop_at_events);
+/* Integrate to s.t = to exactly, at most up to the next state event if stop_at_events. The solver may go beyond, up to
+ * `limit` >= to, where something is known to happen. Knows nothing of clocks. */
+Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_events);
 
 /* One event at s.t and everything that follows from it. The clock ticks that are due take part only if with_ticks: those
  * at the end of a communication step have to wait for the importer's inputs.

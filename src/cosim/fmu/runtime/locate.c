@@ -19,7 +19,7 @@ typedef struct {
 
 static void look(const Simulation *m, Sample *sample)
 {
-    const Rodas *r = &m->rodas;
+    const RodasStep *r = &m->rodas.step;
     double v[MODEL_ROOM(MODEL_NV)];
     rodas_dense(r, sample->theta, v);
     simulation_relations(m, r->t + sample->theta * r->h, v, sample->g);
@@ -28,7 +28,7 @@ static void look(const Simulation *m, Sample *sample)
 /* As look, with the algebraic unknowns solved: what the event iteration will see there. */
 static void look_closely(Simulation *m, Sample *sample)
 {
-    const Rodas *r = &m->rodas;
+    const RodasStep *r = &m->rodas.step;
     double v[MODEL_ROOM(MODEL_NV)], t = r->t + sample->theta * r->h;
     rodas_dense(r, sample->theta, v);
     if (MODEL_NZ > 0 && !simulation_solve_algebraic(m, t, v)) rodas_dense(r, sample->theta, v);
@@ -82,7 +82,7 @@ static void look_between(const Simulation *m, const Sample samples[SAMPLES], Sam
 /* Shrink (before, after) around the first change, by Illinois steps that are kept inside by the accuracy sought. */
 static void narrow(Simulation *m, Sample *before, Sample *after)
 {
-    const Rodas *r = &m->rodas;
+    const RodasStep *r = &m->rodas.step;
     double weight_before = 1.0, weight_after = 1.0;
     double accuracy = fmax(1e-13, 8.0 * DBL_EPSILON * (fabs(r->t) + r->h)) / r->h;
     for (int iteration = 0; iteration < 200 && after->theta - before->theta > accuracy; iteration++) {

@@ -17,6 +17,11 @@
 
 #include "model_sizes.h" /* MODEL_NX NZ NU NP ND NG NS NY NL NA NVARIABLES, MODEL_TOKEN, MODEL_NAME */
 
+/* 1 if the model is discrete and nothing changes but when a sample clock ticks: one pass settles an event. */
+#ifndef MODEL_ALL_CLOCKED
+#define MODEL_ALL_CLOCKED 0
+#endif
+
 #define MODEL_NV (MODEL_NX + MODEL_NZ)
 /* C has no arrays of length zero. */
 #define MODEL_ROOM(n) ((n) > 0 ? (n) : 1)

@@ -36,8 +36,8 @@ static const double DENSE3[5] = {-0.6762803392801253, 6.087714651680015, 16.4308
 
 void rodas_begin(Rodas *r, double t, const double *v, const Held *held)
 {
-    r->t = t;
-    memcpy(r->v, v, sizeof r->v);
+    r->step.t = t;
+    memcpy(r->step.v, v, sizeof r->step.v);
     model_rhs(t, v, held->u, held->p, held->d, held->c, r->f);
     model_jacobian(t, v, held->u, held->p, held->d, held->c, r->J);
     model_time_derivative(t, v, held->u, held->p, held->d, held->c, r->f_t);
@@ -70,7 +70,7 @@ static double error_norm(Rodas *r, double tolerance)
 {
     double sum = 0.0, largest = -1.0;
     for (int i = 0; i < MODEL_NV; i++) {
-        double scale = tolerance * (model_nominal[i] + fmax(fabs(r->v[i]), fabs(r->v_new[i])));
+        double scale = tolerance * (model_nominal[i] + fmax(fabs(r->step.v[i]), fabs(r->step.v_new[i])));
         double ratio = r->K[5][i] / scale;
         double square = ratio * ratio;
         sum += square;
@@ -86,18 +86,18 @@ static double error_norm(Rodas *r, double tolerance)
 double rodas_attempt(Rodas *r, double h, double tolerance, const Held *held)
 {
     double f[MODEL_ROOM(MODEL_NV)];
-    r->h = h;
+    r->step.h = h;
     if (factorise(r, h)) return INFINITY;
     solve_stage(r, 0, h, r->f);
     for (int stage = 1; stage < 6; stage++) {
         /* The last stage starts from the one before it: A[5] = A[4] plus K[4]. */
-        if (stage < 5) memcpy(r->v_new, r->v, sizeof r->v_new);
+        if (stage < 5) memcpy(r->step.v_new, r->step.v, sizeof r->step.v_new);
         for (int j = stage < 5 ? 0 : 4; j < stage; j++)
-            for (int i = 0; i < MODEL_NV; i++) r->v_new[i] += A[stage][j] * r->K[j][i];
-        model_rhs(r->t + ALPHA[stage] * h, r->v_new, held->u, held->p, held->d, held->c, f);
+            for (int i = 0; i < MODEL_NV; i++) r->step.v_new[i] += A[stage][j] * r->K[j][i];
+        model_rhs(r->step.t + ALPHA[stage] * h, r->step.v_new, held->u, held->p, held->d, held->c, f);
         solve_stage(r, stage, h, f);
     }
-    for (int i = 0; i < MODEL_NV; i++) r->v_new[i] += r->K[5][i];
+    for (int i = 0; i < MODEL_NV; i++) r->step.v_new[i] += r->K[5][i];
     double error = error_norm(r, tolerance);
     if (error > 1.0) return error;
     for (int i = 0; i < MODEL_NV; i++) {
@@ -106,26 +106,26 @@ double rodas_attempt(Rodas *r, double h, double tolerance, const Held *held)
             second += DENSE2[j] * r->K[j][i];
             third += DENSE3[j] * r->K[j][i];
         }
-        r->dense2[i] = second;
-        r->dense3[i] = third;
+        r->step.dense2[i] = second;
+        r->step.dense3[i] = third;
     }
     return error;
 }
 
-void rodas_dense(const Rodas *r, double theta, double *v)
+void rodas_dense(const RodasStep *step, double theta, double *v)
 {
     double rest = 1.0 - theta;
     for (int i = 0; i < MODEL_NV; i++)
-        v[i] = r->v[i] * rest + theta * (r->v_new[i] + rest * (r->dense2[i] + theta * r->dense3[i]));
+        v[i] = step->v[i] * rest + theta * (step->v_new[i] + rest * (step->dense2[i] + theta * step->dense3[i]));
 }
 
 /* The local error is of order h^4 in units of the time T in which the fastest state changes by its own size. */
 double rodas_first_step(const Rodas *r, double tolerance)
 {
     double rate = 0.0;
-    for (int i = 0; i < MODEL_NX; i++) rate = fmax(rate, fabs(r->f[i]) / (fabs(r->v[i]) + model_nominal[i]));
+    for (int i = 0; i < MODEL_NX; i++) rate = fmax(rate, fabs(r->f[i]) / (fabs(r->step.v[i]) + model_nominal[i]));
     double h = 0.5 * sqrt(sqrt(tolerance)) / rate;
-    return fmax(isfinite(h) ? h : 1e-6, 1e-12 * fmax(1.0, fabs(r->t)));
+    return fmax(isfinite(h) ? h : 1e-6, 1e-12 * fmax(1.0, fabs(r->step.t)));
 }
 
 /* Gustafsson's predictive controller with the limits of Hairer's code. */

@@ -13,13 +13,18 @@ typedef struct {
     const double *u, *p, *d, *c;
 } Held;
 
-/* One step from t to t + h: the numbers of the beginning, the result, and the dense output between them. */
+/* A step from t to t + h: its beginning, its end, and the dense output between them. */
 typedef struct {
     double t, h;
     double v[MODEL_ROOM(MODEL_NV)];
     double v_new[MODEL_ROOM(MODEL_NV)];
     double dense2[MODEL_ROOM(MODEL_NV)];
     double dense3[MODEL_ROOM(MODEL_NV)];
+} RodasStep;
+
+/* A step and what it is made with. */
+typedef struct {
+    RodasStep step;
     double f[MODEL_ROOM(MODEL_NV)];
     double f_t[MODEL_ROOM(MODEL_NV)];
     double J[MODEL_ROOM(MODEL_NV * MODEL_NV)];
@@ -44,7 +49,7 @@ void rodas_begin(Rodas *r, double t, const double *v, const Held *held);
 double rodas_attempt(Rodas *r, double h, double tolerance, const Held *held);
 
 /* The solution at t + theta h, 0 <= theta <= 1; exact at the ends. */
-void rodas_dense(const Rodas *r, double theta, double *v);
+void rodas_dense(const RodasStep *step, double theta, double *v);
 
 /* A careful first step from where rodas_begin was called. */
 double rodas_first_step(const Rodas *r, double tolerance);
