@@ -9,6 +9,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from both_loops import simulate
 
 from cosim.engine import (
     Channel,
@@ -18,7 +19,6 @@ from cosim.engine import (
     PartialResultError,
     SimulationInterrupted,
     System,
-    simulate,
 )
 from cosim.errors import FmuError, InputError, SimulationError
 

@@ -1,5 +1,6 @@
 """Co-simulation of FMUs: sampled components act at their own instants, without delay; the others run in between."""
 
+from cosim.engine._arguments import Algorithm
 from cosim.engine._fmu import Fmu
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._role import Role, role_of
@@ -8,6 +9,7 @@ from cosim.engine._system import Channel, Component, Connection, System
 from cosim.engine._variable import Value, Variable
 
 __all__ = [
+    "Algorithm",
     "Channel",
     "Component",
     "Connection",

@@ -22,19 +22,19 @@ class Line:
         """Keep the table; ``start`` holds before its first entry."""
         self.slot = slot
         self.middle = middle
-        self._times = channel.times
-        self._values = channel.values
-        self._start = start
+        self.times = channel.times
+        self.values = channel.values
+        self.start = start
 
     def at(self, t: float) -> float:
         """Return the value at t [s], after a step at t."""
-        last = bisect_right(self._times, t + SAME_INSTANT) - 1
+        last = bisect_right(self.times, t + SAME_INSTANT) - 1
         if last < 0:
-            return self._start
-        if last == len(self._times) - 1:
-            return self._values[last]
-        t0, t1 = self._times[last], self._times[last + 1]
-        y0, y1 = self._values[last], self._values[last + 1]
+            return self.start
+        if last == len(self.times) - 1:
+            return self.values[last]
+        t0, t1 = self.times[last], self.times[last + 1]
+        y0, y1 = self.values[last], self.values[last + 1]
         return y0 + (y1 - y0) * max(0.0, t - t0) / (t1 - t0)
 
 
@@ -49,17 +49,17 @@ class Schedule:
         changes: list[tuple[float, int, float]] = []
         for channel, slot in holds:
             changes += [(time, slot, float(value)) for time, value in zip(channel.times, channel.values, strict=True)]
-        corners = [(time, -1, 0.0) for line in lines for time in line._times]
-        self._changes = sorted(changes + corners, key=lambda change: change[0])
+        corners = [(time, -1, 0.0) for line in lines for time in line.times]
+        self.changes = sorted(changes + corners, key=lambda change: change[0])
         self._position = 0
-        self.next = self._changes[0][0] if self._changes else math.inf
+        self.next = self.changes[0][0] if self.changes else math.inf
 
     def apply(self, t: float, values: array[float]) -> None:
         """Put all changes up to t [s], and not yet applied, into the signals; of two at one time the second stays."""
         while self.next <= t + SAME_INSTANT:
-            _, slot, value = self._changes[self._position]
+            _, slot, value = self.changes[self._position]
             if slot >= 0:
                 values[slot] = value
             self._position += 1
-            ended = self._position == len(self._changes)
-            self.next = math.inf if ended else self._changes[self._position][0]
+            ended = self._position == len(self.changes)
+            self.next = math.inf if ended else self.changes[self._position][0]

@@ -7,9 +7,9 @@ from abc import ABC, abstractmethod
 from array import array
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from ctypes import addressof, c_bool, c_double, c_int, c_size_t, c_uint, c_uint32, c_uint64, c_void_p
+from ctypes import Array, addressof, c_bool, c_double, c_int, c_size_t, c_uint, c_uint32, c_uint64, c_void_p, cast
 from functools import partial
-from typing import ClassVar, NoReturn
+from typing import ClassVar, NamedTuple, NoReturn
 
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Terminated
@@ -27,6 +27,19 @@ EVENT_NEEDED, TERMINATE, EARLY_RETURN = 0x1, 0x100, 0x10000
 
 UPDATE_NEEDED, UPDATE_TERMINATES, NEXT_EVENT_DEFINED = 0x1, 0x100, 0x100000000
 """Bits of ``Instance.update_flags``, which updateDiscreteStates sets."""
+
+
+class Access(NamedTuple):
+    """A call that reads or sets variables of one FMI type, and what it is made of.
+
+    ``function`` is its name without the prefix "fmi2", ``references`` are the value references and ``address`` is the
+    memory that it fills or reads.
+    """
+
+    call: Call
+    function: str
+    references: Array[c_uint]
+    address: int
 
 
 class CallError(Exception):
@@ -49,6 +62,7 @@ class Instance(ABC):
 
     type_codes: ClassVar[dict[str, str]]
     enumeration_type: ClassVar[str]
+    tells_size: ClassVar[bool]
     do_step: Call
     enter_event: Call
     enter_step: Call
@@ -86,13 +100,14 @@ class Instance(ABC):
     @abstractmethod
     def _bind_calls(self) -> None: ...
 
-    @abstractmethod
-    def getter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
-        """Return a call that reads variables of one FMI type into the memory at ``address``."""
-
-    @abstractmethod
-    def setter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
-        """Return a call that sets variables of one FMI type from the memory at ``address``."""
+    def access(self, verb: str, fmi_type: str, references: Sequence[int], address: int) -> Access:
+        """Bind the function that gets ("Get") or sets ("Set") variables of one FMI type; they lie at ``address``."""
+        count = len(references)
+        function = f"{verb}{self.accessed_as(fmi_type)}"
+        referred = (c_uint * count)(*references)
+        sizes = [c_size_t(count)] if self.tells_size else []
+        call = self._bind(self.symbol(function), referred, c_size_t(count), c_void_p(address), *sizes)
+        return Access(call, function, referred, address)
 
     @abstractmethod
     def set_string(self, reference: int, value: str) -> None:
@@ -105,6 +120,19 @@ class Instance(ABC):
     def exit_initialization(self) -> None:
         """Leave Initialization Mode."""
         self.once("ExitInitializationMode", self._slave.exitInitializationMode)
+
+    def symbol(self, function: str) -> str:
+        """Return the name that a function has in the FMU's library."""
+        return f"fmi{self.fmu.fmi_version[0]}{function}"
+
+    def pointer(self, function: str) -> int:
+        """Return the address of a function of the FMU's library."""
+        return cast(self._slave.dll[self.symbol(function)], c_void_p).value or 0
+
+    @property
+    def component(self) -> int:
+        """The FMU's own handle of the instance: the first argument of all its functions."""
+        return int(self._slave.component)
 
     def _bind(self, function: str, *arguments: object) -> Call:
         bare = self._slave.dll[function]  # without argtypes: every argument is a ctypes object of the right type
@@ -125,15 +153,15 @@ class Instance(ABC):
             buffer = array(self.type_codes[fmi_type], [value if variable.type == "Real" else int(value)])
         except OverflowError as error:
             raise FmuError(f"{self.name}.{name}: {value} does not fit; it is an {fmi_type}") from error
-        call = self.setter(fmi_type, [variable.value_reference], buffer.buffer_info()[0])
-        self.check(f"Set{self.accessed_as(fmi_type)}({name})", call())
+        access = self.access("Set", fmi_type, [variable.value_reference], buffer.buffer_info()[0])
+        self.check(f"{access.function}({name})", access.call())
 
     def get_value(self, name: str) -> float:
         """Return one number by name."""
         variable, fmi_type = self.fmu.variables[name], self.fmu.fmi_types[name]
         buffer = array(self.type_codes[fmi_type], [0])
-        call = self.getter(fmi_type, [variable.value_reference], buffer.buffer_info()[0])
-        self.check(f"Get{self.accessed_as(fmi_type)}({name})", call())
+        access = self.access("Get", fmi_type, [variable.value_reference], buffer.buffer_info()[0])
+        self.check(f"{access.function}({name})", access.call())
         return buffer[0]
 
     def once(self, function: str, call: Callable[[], object]) -> None:
@@ -148,9 +176,7 @@ class Instance(ABC):
         if status >= FAILED:
             self._fatal = status == STATUS.index("Fatal")
             name = STATUS[status] if status < len(STATUS) else str(status)
-            raise CallError(
-                self, f"fmi{self.fmu.fmi_version[0]}{function} returned {name}", self._remedy(function, status)
-            )
+            raise CallError(self, f"{self.symbol(function)} returned {name}", self._remedy(function, status))
 
     def _remedy(self, function: str, status: int) -> str:
         if function == "DoStep" and not self.fmu.capabilities["canHandleVariableCommunicationStepSize"]:
@@ -183,6 +209,7 @@ class Fmi2Instance(Instance):
     """An FMI 2.0 instance; it has no event mode."""
 
     enumeration_type = "Integer"
+    tells_size = False
     type_codes: ClassVar[dict[str, str]] = {"Real": "d", "Integer": "i", "Boolean": "i", "Enumeration": "i"}
 
     def _instantiate(self, event_mode: bool, logging: bool) -> None:
@@ -202,19 +229,6 @@ class Fmi2Instance(Instance):
                 self.fail_to_go_on()
         super().check(function, status)
 
-    def getter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
-        """Bind fmi2GetReal and its siblings."""
-        return self._access("Get", fmi_type, references, address)
-
-    def setter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
-        """Bind fmi2SetReal and its siblings."""
-        return self._access("Set", fmi_type, references, address)
-
-    def _access(self, verb: str, fmi_type: str, references: Sequence[int], address: int) -> Call:
-        count = len(references)
-        kind = self.accessed_as(fmi_type)
-        return self._bind(f"fmi2{verb}{kind}", (c_uint * count)(*references), c_size_t(count), c_void_p(address))
-
     def set_string(self, reference: int, value: str) -> None:
         """Call fmi2SetString."""
         self._slave.setString([reference], [value])
@@ -230,6 +244,7 @@ class Fmi3Instance(Instance):
     """An FMI 3.0 instance."""
 
     enumeration_type = "Int64"
+    tells_size = True
     type_codes: ClassVar[dict[str, str]] = {
         "Float64": "d",
         "Float32": "f",
@@ -262,20 +277,6 @@ class Fmi3Instance(Instance):
         self.update = self._bind("fmi3UpdateDiscreteStates", *updates, c_void_p(addressof(self.next_event)))
         self.enter_event = self._bind("fmi3EnterEventMode")
         self.enter_step = self._bind("fmi3EnterStepMode")
-
-    def getter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
-        """Bind fmi3GetFloat64 and its siblings."""
-        return self._access("Get", fmi_type, references, address)
-
-    def setter(self, fmi_type: str, references: Sequence[int], address: int) -> Call:
-        """Bind fmi3SetFloat64 and its siblings."""
-        return self._access("Set", fmi_type, references, address)
-
-    def _access(self, verb: str, fmi_type: str, references: Sequence[int], address: int) -> Call:
-        count = len(references)
-        kind = self.accessed_as(fmi_type)
-        size = c_size_t(count)
-        return self._bind(f"fmi3{verb}{kind}", (c_uint * count)(*references), size, c_void_p(address), size)
 
     def set_string(self, reference: int, value: str) -> None:
         """Call fmi3SetString."""

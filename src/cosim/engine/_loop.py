@@ -10,77 +10,47 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from math import ceil, inf, isnan
-
-import numpy as np
-from numpy.typing import NDArray
+from math import inf, isnan
 
 from cosim.engine._instance import CallError
-from cosim.engine._participant import Participant
 from cosim.engine._plan import Plan
+from cosim.engine._record import Record
 from cosim.engine._role import Role
 from cosim.engine._system import SAME_INSTANT
 
-_MOST_ROUNDS = 100
-_PROGRESS_INTERVAL = 0.05
-
-
-@dataclass
-class Record:
-    """The rows recorded so far: the first ``count`` of ``rows``, shape (len(grid), recorded signals)."""
-
-    grid: NDArray[np.float64]
-    rows: NDArray[np.float64]
-    count: int = 0
-    now: float = 0.0
-    exchanges: int = 0
-
-
-def output_grid(stop: float, interval: float) -> NDArray[np.float64]:
-    """Return the multiples of ``interval`` below ``stop``, and ``stop`` [s].
-
-    If a second is a whole number of intervals, the multiples are quotients of whole numbers, so that they print as
-    0.003 and not as 0.0030000000000000001.
-    """
-    count = ceil((stop - SAME_INSTANT) / interval)
-    per_second = round(1.0 / interval)
-    ticks = np.arange(count + 1, dtype=np.float64)
-    whole = per_second > 0 and abs(per_second * interval - 1.0) < 1e-12
-    grid: NDArray[np.float64] = ticks / per_second if whole else ticks * interval
-    grid[-1] = stop
-    return grid
+MOST_ROUNDS = 100
+PROGRESS_INTERVAL = 0.05
+"""Time between two calls of ``progress`` [s]."""
 
 
 def run(plan: Plan, record: Record, progress: Callable[[float], None] | None) -> None:
     """Simulate over the grid of ``record``; raises CallError, the record holding what was computed until then."""
     values = plan.values
-    signals = memoryview(values)[: plan.recorded]
-    rows = record.rows.reshape(-1).data
-    width = plan.recorded
     grid = record.grid.tolist()
     stop = grid[-1]
     schedule, discrete = plan.schedule, plan.discrete
     undated = [p for p in discrete if p.role is Role.EVENT]
     shown = 0.0
     now = 0.0
-    row = 0
     record.exchanges = 1
-    exchange(plan, now)
+    exchange(plan, now, recording=True)
     while True:
-        if now >= grid[row] - SAME_INSTANT:
+        if now >= grid[record.count] - SAME_INSTANT:
+            for participant in discrete:
+                if participant.stale:
+                    participant.read()
             if isnan(sum(values)):
                 check_numbers(plan)
-            rows[row * width : (row + 1) * width] = signals
-            row += 1
-            record.count = row
-            if row == len(grid):
+            record.put(values)
+            if record.count == len(grid):
                 break
+        row = grid[record.count]
         due = min([p.due for p in discrete], default=inf)
         instant = due if due <= schedule.next + SAME_INSTANT else schedule.next
-        exchanging = instant <= grid[row] + SAME_INSTANT
-        t = min(instant if exchanging else grid[row], stop)
-        advance(plan, now, t)
+        exchanging = instant <= row + SAME_INSTANT
+        t = min(instant if exchanging else row, stop)
+        recording = t >= row - SAME_INSTANT
+        advance(plan, now, t, recording)
         for participant in undated:
             if participant.due == inf:
                 participant.carry(t)
@@ -89,16 +59,55 @@ def run(plan: Plan, record: Record, progress: Callable[[float], None] | None) ->
         if exchanging:
             if isnan(sum(values)):
                 check_numbers(plan)
-            exchange(plan, t)
+            exchange(plan, t, recording)
         record.exchanges += exchanging or plan.coupled
-        if progress is not None and (clock := time.perf_counter()) - shown >= _PROGRESS_INTERVAL:
+        if progress is not None and (clock := time.perf_counter()) - shown >= PROGRESS_INTERVAL:
             shown = clock
             progress(now)
     if progress is not None:
         progress(stop)
 
 
-def advance(plan: Plan, now: float, t: float) -> None:
+def run_jacobi(plan: Plan, record: Record, step: float, progress: Callable[[float], None] | None) -> None:
+    """Simulate in macro steps of ``step`` [s], all components stepped with what all have put out at its beginning."""
+    values = plan.values
+    grid = record.grid.tolist()
+    shown = 0.0
+    macro_steps = 0
+    record.exchanges = 1
+    plan.schedule.apply(0.0, values)
+    while True:
+        if record.now >= grid[record.count] - SAME_INSTANT:
+            record.put(values)
+            if record.count == len(grid):
+                break
+        now = record.now
+        macro_steps += 1
+        t = macro_steps * step
+        for line in plan.lines:
+            values[line.middle] = line.at(now + 0.5 * step)
+        for participant in plan.continuous:
+            participant.write()
+        for participant in plan.continuous:
+            participant.step(now, step)
+        recording = t >= grid[record.count] - SAME_INSTANT
+        for participant in plan.continuous:
+            participant.read(recording)
+        for line in plan.lines:
+            values[line.slot] = line.at(t)
+        plan.schedule.apply(t, values)
+        record.now = t
+        record.exchanges += 1
+        if isnan(sum(values)):
+            check_numbers(plan)
+        if progress is not None and (clock := time.perf_counter()) - shown >= PROGRESS_INTERVAL:
+            shown = clock
+            progress(t)
+    if progress is not None:
+        progress(grid[-1])
+
+
+def advance(plan: Plan, now: float, t: float, recording: bool) -> None:
     """Step the continuous components from ``now`` to t [s], each with what those before it have just put out.
 
     Over a step a linear channel acts with its value in the middle: what an integrator makes of it is exact, and the
@@ -111,36 +120,37 @@ def advance(plan: Plan, now: float, t: float) -> None:
     for participant in plan.continuous:
         participant.write()
         participant.step(now, h)
-        participant.read()
+        participant.read(recording)
     for line in plan.lines:
         values[line.slot] = line.at(t)
 
 
-def exchange(plan: Plan, t: float) -> None:
+def exchange(plan: Plan, t: float, recording: bool) -> None:
     """Apply the channels and compute the discrete components that are due at t [s], until nothing changes any more."""
     plan.schedule.apply(t, plan.values)
     discrete = plan.discrete
-    for _ in range(_MOST_ROUNDS):
+    for _ in range(MOST_ROUNDS):
         quiet = True
         for participant in discrete:
             if participant.due <= t + SAME_INSTANT or (participant.triggers and participant.triggered()):
                 quiet = False
                 if participant.role is Role.EVENT:
-                    participant.event(t)
+                    participant.event(t, recording)
                 else:
-                    participant.sample()
+                    participant.sample(recording)
         if quiet:
             break
     else:
-        raise _endless(discrete)
+        raise endless(plan)
     for participant in discrete:
         if participant.in_event_mode:
             participant.leave_event_mode()
 
 
-def _endless(discrete: list[Participant]) -> CallError:
-    participant = next(p for p in discrete if p.triggers)
-    names = ", ".join(p.instance.name for p in discrete)
+def endless(plan: Plan) -> CallError:
+    """Return the error for components whose events never come to rest."""
+    participant = next(p for p in plan.discrete if p.triggers)
+    names = ", ".join(p.instance.name for p in plan.discrete)
     return CallError(
         participant.instance,
         f"the events of {names} set each other off without end",

@@ -14,7 +14,7 @@ from cosim.engine._instance import (
     TERMINATE,
     UPDATE_NEEDED,
     UPDATE_TERMINATES,
-    Call,
+    Access,
     CallError,
     Instance,
 )
@@ -22,7 +22,7 @@ from cosim.engine._log import FAILED
 from cosim.engine._role import Role
 from cosim.engine._system import SAME_INSTANT
 
-_MOST_UPDATES = 100
+MOST_UPDATES = 100
 
 Buffer: TypeAlias = "array[Any] | None"
 """Memory of an FMI call that does not use the doubles of the signals themselves."""
@@ -43,18 +43,22 @@ class InputGroup(NamedTuple):
     ``buffer`` is what the call reads, converted from ``inputs[start:]``; None if it reads those doubles themselves.
     """
 
-    function: str
-    call: Call
+    fmi_type: str
+    access: Access
     start: int
     buffer: Buffer
     wires: tuple[Wire, ...]
 
 
 class OutputGroup(NamedTuple):
-    """Outputs of one FMI type, read by one call, into ``values[start:]`` or into ``buffer``, as for inputs."""
+    """Outputs of one FMI type, read by one call, into ``values[start:]`` or into ``buffer``, as for inputs.
 
-    function: str
-    call: Call
+    ``whole`` reads all of them, ``connected`` those, at the front, that somebody takes; it is None if nobody does.
+    """
+
+    fmi_type: str
+    whole: Access
+    connected: Access | None
     start: int
     buffer: Buffer
 
@@ -65,7 +69,8 @@ class Participant:
 
     ``due`` is the time [s] of its next event or sample (infinite for a continuous component), ``steps`` and ``events``
     count doStep calls and instants with an event. ``triggers`` are the wires from discrete sources: a change of one
-    is an event for a component with event mode, even between its own events.
+    is an event for a component with event mode, even between its own events. ``stale`` tells that outputs which are
+    only recorded have not been read since the component was computed.
     """
 
     instance: Instance
@@ -82,6 +87,7 @@ class Participant:
     events: int = 0
     due: float = field(init=False)
     in_event_mode: bool = field(init=False)
+    stale: bool = False
 
     def __post_init__(self) -> None:
         """A discrete component is due at t = 0; FMI 3.0 leaves initialisation in Event Mode."""
@@ -91,7 +97,7 @@ class Participant:
     def write(self, force: bool = False) -> None:
         """Set the inputs that changed, or all driven ones."""
         values, inputs = self.values, self.inputs
-        for function, call, start, buffer, wires in self.input_groups:
+        for _, access, start, buffer, wires in self.input_groups:
             changed = force
             for target, source, factor, offset in wires:
                 value = values[source] * factor + offset
@@ -101,30 +107,38 @@ class Participant:
             if changed:
                 if buffer is not None:
                     self._convert(buffer, start)
-                status = call()
+                status = access.call()
                 if status >= FAILED:
-                    self.instance.check(function, status)
+                    self.instance.check(access.function, status)
 
     def _convert(self, buffer: array[Any], start: int) -> None:
         for i, value in enumerate(self.inputs[start : start + len(buffer)]):
             try:
                 buffer[i] = value if buffer.typecode == "f" else int(value)
             except OverflowError as error:
-                raise CallError(
-                    self.instance,
-                    f"cannot take {value:.17g}: its input is an integer of {8 * buffer.itemsize} bits",
-                    "drive it within its range",
-                ) from error
+                raise self.out_of_range(value, buffer) from error
 
-    def read(self) -> None:
-        """Read all outputs into the signals."""
-        for function, call, start, buffer in self.output_groups:
-            status = call()
+    def out_of_range(self, value: float, buffer: array[Any]) -> CallError:
+        """Return the error for a value that an integer input cannot take."""
+        return CallError(
+            self.instance,
+            f"cannot take {value:.17g}: its input is an integer of {8 * buffer.itemsize} bits",
+            "drive it within its range",
+        )
+
+    def read(self, recording: bool = True) -> None:
+        """Read into the signals the outputs that somebody takes, and, if ``recording``, all others too."""
+        for _, whole, connected, start, buffer in self.output_groups:
+            access = whole if recording else connected
+            if access is None:
+                continue
+            status = access.call()
             if status >= FAILED:
-                self.instance.check(function, status)
+                self.instance.check(access.function, status)
             if buffer is not None:
-                for i, value in enumerate(buffer, start):
-                    self.values[i] = value
+                for i in range(len(access.references)):
+                    self.values[start + i] = buffer[i]
+        self.stale = not recording
 
     def step(self, t: float, h: float) -> None:
         """Step from t [s] over h [s]."""
@@ -154,16 +168,16 @@ class Participant:
                 return True
         return False
 
-    def sample(self) -> None:
+    def sample(self, recording: bool) -> None:
         """Execute the sample of a sampled component that is due; its outputs hold until the next."""
         self.write()
         self.ticks += 1
         following = self.ticks * self.period
         self.step(self.due, following - self.due)
         self.due = self.time = following
-        self.read()
+        self.read(recording)
 
-    def event(self, t: float) -> None:
+    def event(self, t: float, recording: bool) -> None:
         """Handle an event at t [s] in event mode; the component stays in it until ``leave_event_mode``."""
         instance = self.instance
         if not self.in_event_mode:
@@ -173,7 +187,7 @@ class Participant:
                 instance.check("EnterEventMode", status)
             self.in_event_mode = True
         self.write()
-        for _ in range(_MOST_UPDATES):
+        for _ in range(MOST_UPDATES):
             status = instance.update()
             if status >= FAILED:
                 instance.check("UpdateDiscreteStates", status)
@@ -183,19 +197,27 @@ class Participant:
             if not flags & UPDATE_NEEDED:
                 break
         else:
-            raise CallError(
-                instance,
-                f"still needs to update its discrete states after {_MOST_UPDATES} updates",
-                "break the cycle of events inside it",
-            )
+            raise self.never_settles()
         self.due = instance.next_event.value if flags & NEXT_EVENT_DEFINED else math.inf
         if self.due <= t + SAME_INSTANT:
-            raise CallError(
-                instance,
-                f"announces its next event at {self.due:.9g} s, which is not after the present one",
-                "check its sample period",
-            )
-        self.read()
+            raise self.announces_the_past()
+        self.read(recording)
+
+    def never_settles(self) -> CallError:
+        """Return the error for an event that needs ever more updates."""
+        return CallError(
+            self.instance,
+            f"still needs to update its discrete states after {MOST_UPDATES} updates",
+            "break the cycle of events inside it",
+        )
+
+    def announces_the_past(self) -> CallError:
+        """Return the error for a next event, at ``due``, that is not in the future."""
+        return CallError(
+            self.instance,
+            f"announces its next event at {self.due:.9g} s, which is not after the present one",
+            "check its sample period",
+        )
 
     def leave_event_mode(self) -> None:
         """Go back to Step Mode after an event."""

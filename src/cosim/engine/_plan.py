@@ -2,7 +2,8 @@
 
 Signals (``values``), in this order: the outputs of all components, the channels, and the middles of linear channels.
 The first ``recorded`` of them are the columns of the result. Each group of Float64 variables lies in one piece, so
-that the FMU reads and writes the doubles of these vectors themselves; other types go through a buffer.
+that the FMU reads and writes the doubles of these vectors themselves; other types go through a buffer. In a group of
+outputs those that drive something come first, so that between the rows of the result only they are read.
 """
 
 from __future__ import annotations
@@ -48,14 +49,14 @@ def roles_of(system: System) -> dict[str, Role]:
     return {component.name: role_of(component.fmu) for component in system.components}
 
 
-def make_plan(system: System, instances: dict[str, Instance], output_interval: float) -> Plan:
+def make_plan(system: System, roles: dict[str, Role], instances: dict[str, Instance], output_interval: float) -> Plan:
     """Lay out the signals of a checked system and bind the calls of its instances."""
-    roles = roles_of(system)
     signals, columns, recorded, total = _lay_out(system)
     values = array("d", bytes(8 * total))
     inputs = array("d", bytes(8 * (len(system.connections) + len(system.channels))))
     holds, lines = _channel_signals(system, signals, values, total)
     wires = _sources(system, signals, roles, lines)
+    taken = {connection.source for connection in system.connections}
     participants: dict[str, Participant] = {}
     free = 0
     for component in system.components:
@@ -69,7 +70,7 @@ def make_plan(system: System, instances: dict[str, Instance], output_interval: f
             values,
             inputs,
             groups,
-            _output_groups(component, instance, signals, values),
+            _output_groups(component, instance, signals, taken, values),
             _triggers(system, groups, signals, roles) if roles[component.name] is Role.EVENT else (),
         )
     continuous = [c for c in system.components if roles[c.name] is Role.CONTINUOUS]
@@ -103,11 +104,18 @@ def _by_type(component: Component, names: list[str]) -> dict[str, list[str]]:
     return groups
 
 
+def _outputs(component: Component, taken: set[tuple[str, str]]) -> dict[str, list[str]]:
+    """Return the recorded outputs by FMI type, in each those first that drive something."""
+    names = _recorded_outputs(component)
+    return _by_type(component, sorted(names, key=lambda name: (component.name, name) not in taken))
+
+
 def _lay_out(system: System) -> tuple[dict[tuple[str, str], int], dict[str, int], int, int]:
     """Return the slot of each signal, of each column, the number of recorded signals, and of all."""
     signals: dict[tuple[str, str], int] = {}
+    taken = {connection.source for connection in system.connections}
     for component in system.components:
-        for names in _by_type(component, _recorded_outputs(component)).values():
+        for names in _outputs(component, taken).values():
             for name in names:
                 signals[component.name, name] = len(signals)
     for channel in system.channels:
@@ -175,22 +183,28 @@ def _input_groups(
         wires = tuple(Wire(target, *sources[component.name, name]) for target, name in enumerate(names, free))
         buffer, address = _memory(instance, fmi_type, inputs, free, len(names))
         references = [component.fmu.variables[name].value_reference for name in names]
-        setter = instance.setter(fmi_type, references, address)
-        groups.append(InputGroup(f"Set{instance.accessed_as(fmi_type)}", setter, free, buffer, wires))
+        access = instance.access("Set", fmi_type, references, address)
+        groups.append(InputGroup(fmi_type, access, free, buffer, wires))
         free += len(names)
     return tuple(groups)
 
 
 def _output_groups(
-    component: Component, instance: Instance, signals: dict[tuple[str, str], int], values: array[float]
+    component: Component,
+    instance: Instance,
+    signals: dict[tuple[str, str], int],
+    taken: set[tuple[str, str]],
+    values: array[float],
 ) -> tuple[OutputGroup, ...]:
     groups: list[OutputGroup] = []
-    for fmi_type, names in _by_type(component, _recorded_outputs(component)).items():
+    for fmi_type, names in _outputs(component, taken).items():
         start = signals[component.name, names[0]]
         buffer, address = _memory(instance, fmi_type, values, start, len(names))
         references = [component.fmu.variables[name].value_reference for name in names]
-        getter = instance.getter(fmi_type, references, address)
-        groups.append(OutputGroup(f"Get{instance.accessed_as(fmi_type)}", getter, start, buffer))
+        count = sum((component.name, name) in taken for name in names)
+        whole = instance.access("Get", fmi_type, references, address)
+        connected = instance.access("Get", fmi_type, references[:count], address) if count else None
+        groups.append(OutputGroup(fmi_type, whole, connected, start, buffer))
     return tuple(groups)
 
 

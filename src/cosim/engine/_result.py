@@ -22,9 +22,9 @@ class Result:
     A row holds the values after the events at its time; an output of a continuous component holds the end of the step
     that led there, before those events act on it.
 
-    ``statistics``: ``wall_s`` [s] of the loop; ``exchanges``, the number of instants at which values were handed
-    over; by component ``roles``, ``steps`` (doStep calls), ``events`` (instants with an event, event-mode components)
-    and ``solver`` (the counters that the FMU publishes as ``solver.*``).
+    ``statistics``: ``wall_s`` [s] of the loop; ``loop``, "native" or "python"; ``exchanges``, the number of instants at
+    which values were handed over; by component ``roles``, ``steps`` (doStep calls), ``events`` (instants with an event,
+    event-mode components) and ``solver`` (the counters that the FMU publishes as ``solver.*``).
     """
 
     time: NDArray[np.float64]

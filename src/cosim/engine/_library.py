@@ -1,0 +1,112 @@
+"""The native loop's library: found in the package, found in the user's cache, or compiled into it.
+
+Its name contains a digest of what it is made from, so that one made from another source is never taken.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import hashlib
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from ctypes import POINTER, c_double, c_int, c_int64
+from pathlib import Path
+
+from cosim.engine._tables import SIZES, Engine
+from cosim.errors import BuildError, InputError
+
+SOURCES = Path(__file__).parent / "native"
+FLAGS = ("-std=c11", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-Wall", "-Wextra")
+"""Of the compiler; nothing here may change what floating point gives."""
+
+CHOICE = "COSIM_ENGINE"
+"""Environment variable: "native", "python", or "auto", which takes the Python loop if the native one cannot be had."""
+
+
+def native_library() -> ctypes.CDLL | None:
+    """Return the library of the native loop, or None if the Python loop is to be used.
+
+    Raises InputError if COSIM_ENGINE is none of its three values, BuildError if it is "native" and there is neither a
+    library nor a compiler.
+    """
+    choice = os.environ.get(CHOICE, "auto")
+    if choice not in ("auto", "native", "python"):
+        raise InputError(f"{CHOICE} is {choice!r}; it can be auto, native or python")
+    if choice == "python":
+        return None
+    library = _load()
+    if isinstance(library, BuildError):
+        if choice == "native":
+            raise library
+        return None
+    return library
+
+
+@functools.cache
+def _load() -> ctypes.CDLL | BuildError:
+    """Load or build the library, once per process; a failure is remembered, too."""
+    name = file_name()
+    try:
+        for folder in (SOURCES / "prebuilt", cache_folder()):
+            if (folder / name).is_file():
+                return _opened(folder / name)
+        return _opened(_built(cache_folder() / name))
+    except (BuildError, OSError) as error:
+        return error if isinstance(error, BuildError) else BuildError(f"the native loop cannot be loaded: {error}")
+
+
+def file_name() -> str:
+    """Return the name of the library for this machine and these sources."""
+    digest = hashlib.sha256(" ".join(FLAGS).encode())
+    for path in sorted(SOURCES.glob("*.[ch]")):
+        digest.update(path.read_bytes())
+    suffix = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+    return f"engine-{platform.machine().lower()}-{sys.platform}-{digest.hexdigest()[:16]}{suffix}"
+
+
+def cache_folder() -> Path:
+    """Return the folder in the user's cache for libraries that were compiled on first use."""
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("wiper-cosim")) / "engine"
+
+
+def compile_to(output: Path) -> None:
+    """Compile the library with the project's compiler; raises BuildError if there is none or it fails."""
+    from cosim.fmu.toolchain import compiler
+
+    sources = [str(path) for path in sorted(SOURCES.glob("*.c"))]
+    libraries = [] if output.suffix == ".dll" else ["-lm"]
+    done = subprocess.run(
+        [*compiler(), *FLAGS, "-o", str(output), *sources, *libraries], capture_output=True, text=True, check=False
+    )
+    if done.returncode != 0:
+        raise BuildError(f"the C compiler failed on the native loop:\n{done.stderr.strip()[-3000:]}")
+
+
+def _built(path: Path) -> Path:
+    """Compile into a folder of its own and rename, so that no other process ever sees half a library."""
+    from filelock import FileLock
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with FileLock(path.with_suffix(".lock")):
+        if not path.is_file():
+            with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+                compile_to(Path(folder) / path.name)
+                (Path(folder) / path.name).replace(path)
+    return path
+
+
+def _opened(path: Path) -> ctypes.CDLL:
+    library = ctypes.CDLL(str(path))
+    library.cosim_run.argtypes = [POINTER(Engine), c_double]
+    library.cosim_run.restype = c_int
+    sizes = (c_int64 * len(SIZES))()
+    library.cosim_sizes(sizes)
+    if tuple(sizes) != SIZES:
+        raise BuildError(f"{path}: its tables have the sizes {tuple(sizes)}, but {SIZES} are expected; delete it")
+    return library

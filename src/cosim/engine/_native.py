@@ -1,0 +1,77 @@
+"""Runs the native loop: one call per piece of wall time, and its failures in the words of the Python loop."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from ctypes import byref
+
+from cosim.engine._instance import CallError
+from cosim.engine._loop import PROGRESS_INTERVAL, check_numbers, endless
+from cosim.engine._participant import InputGroup
+from cosim.engine._plan import Plan
+from cosim.engine._record import Record
+from cosim.engine._tables import Tables
+
+_UNFINISHED, _FINISHED = 0, 1
+(
+    _CALL_FAILED,
+    _ASKS_TO_END,
+    _RETURNED_EARLY,
+    _NEVER_SETTLES,
+    _ANNOUNCES_THE_PAST,
+    _WITHOUT_END,
+    _NOT_A_NUMBER,
+    _OUT_OF_RANGE,
+) = range(1, 9)
+_FUNCTIONS = ("DoStep", "EnterEventMode", "EnterStepMode", "UpdateDiscreteStates")
+
+_PIECE = 0.1
+"""Wall time [s] after which Python looks whether the user wants to interrupt."""
+
+
+def run_native(
+    library: ctypes.CDLL, plan: Plan, record: Record, step: float | None, progress: Callable[[float], None] | None
+) -> None:
+    """Do what ``run`` does, or ``run_jacobi`` if there is a ``step`` [s], with the same numbers, bit for bit."""
+    tables = Tables(plan, record, step)
+    engine = tables.engine
+    limit = 0.0 if progress is not None else _PIECE
+    outcome = _UNFINISHED
+    try:
+        while outcome == _UNFINISHED:
+            outcome = library.cosim_run(byref(engine), limit)
+            if progress is not None and outcome == _UNFINISHED:
+                progress(engine.now)
+                limit = PROGRESS_INTERVAL
+    finally:
+        tables.take_back()
+    if outcome != _FINISHED:
+        _raise(tables, plan)
+    if progress is not None:
+        progress(float(record.grid[-1]))
+
+
+def _raise(tables: Tables, plan: Plan) -> None:
+    """Raise the CallError that the Python loop would have raised."""
+    failure = tables.engine.failure
+    participant = tables.participants[failure.component]
+    instance = participant.instance
+    if failure.kind == _NOT_A_NUMBER:
+        check_numbers(plan)
+    elif failure.kind == _WITHOUT_END:
+        raise endless(plan)
+    elif failure.kind == _ANNOUNCES_THE_PAST:
+        raise participant.announces_the_past()
+    elif failure.kind == _NEVER_SETTLES:
+        raise participant.never_settles()
+    elif failure.kind in (_ASKS_TO_END, _RETURNED_EARLY):
+        instance.fail_to_go_on(early=failure.kind == _RETURNED_EARLY)
+    group = tables.groups[failure.group]
+    if failure.kind == _OUT_OF_RANGE and isinstance(group, InputGroup) and group.buffer is not None:
+        raise participant.out_of_range(failure.value, group.buffer)
+    if failure.kind == _CALL_FAILED:
+        called = failure.function
+        access = group.access if isinstance(group, InputGroup) else group.whole
+        instance.check(_FUNCTIONS[called] if called < len(_FUNCTIONS) else access.function, failure.status)
+    raise CallError(instance, f"ended for a reason of the number {failure.kind}", "report this as a defect of cosim")

@@ -1,0 +1,216 @@
+"""The tables of the native loop: the structures of native/engine.h, filled in from the plan of a simulation."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from ctypes import Array, Structure, addressof, c_double, c_int32, c_int64, c_void_p
+from typing import Any
+
+from cosim.engine._channels import Line, Schedule
+from cosim.engine._participant import InputGroup, OutputGroup, Participant, Wire
+from cosim.engine._plan import Plan
+from cosim.engine._record import Record
+from cosim.engine._role import Role
+
+_TYPES = {code: number for number, code in enumerate("dfbBhHiIqQ")}
+_ROLES = {Role.CONTINUOUS: 0, Role.EVENT: 1, Role.SAMPLED: 2}
+
+
+class _Wire(Structure):
+    _fields_ = [("factor", c_double), ("offset", c_double), ("source", c_int64)]
+
+
+class _Group(Structure):
+    _fields_ = [
+        *((name, c_void_p) for name in ("access", "references", "memory", "doubles", "wires")),
+        *((name, c_int64) for name in ("count", "connected")),
+        *((name, c_int32) for name in ("type", "number")),
+    ]
+
+
+class _Trigger(Structure):
+    _fields_ = [("wire", _Wire), ("input", c_void_p)]
+
+
+class _Component(Structure):
+    _functions = ("do_step", "enter_event_mode", "enter_step_mode", "update_discrete_states")
+    _fields_ = [
+        ("instance", c_void_p),
+        *((name, c_void_p) for name in _functions),
+        *((name, c_void_p) for name in ("inputs", "outputs", "triggers")),
+        *((name, c_int64) for name in ("n_inputs", "n_outputs", "n_triggers")),
+        *((name, c_double) for name in ("period", "due", "time")),
+        *((name, c_int64) for name in ("ticks", "steps", "events")),
+        *((name, c_int32) for name in ("fmi", "role", "number", "in_event_mode", "event_needed", "stale")),
+    ]
+
+
+class _Change(Structure):
+    _fields_ = [("time", c_double), ("value", c_double), ("slot", c_int64)]
+
+
+class _Line(Structure):
+    _fields_ = [
+        *((name, c_void_p) for name in ("times", "values")),
+        ("count", c_int64),
+        ("start", c_double),
+        *((name, c_int64) for name in ("slot", "middle")),
+    ]
+
+
+class _Failure(Structure):
+    _fields_ = [
+        ("value", c_double),
+        *((name, c_int32) for name in ("kind", "component", "function", "status", "group", "unused")),
+    ]
+
+
+class Engine(Structure):
+    """The structure that the native loop works on; names as in engine.h."""
+
+    _fields_ = [
+        *((name, c_void_p) for name in ("values", "grid", "rows", "discrete", "continuous", "changes", "lines")),
+        *((name, c_int64) for name in ("n_values", "n_recorded", "n_rows")),
+        *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines")),
+        *((name, c_int64) for name in ("row", "change", "exchanges", "macro_steps")),
+        *((name, c_double) for name in ("now", "step")),
+        *((name, c_int32) for name in ("coupled", "started")),
+        ("failure", _Failure),
+    ]
+
+
+SIZES = tuple(ctypes.sizeof(s) for s in (_Wire, _Group, _Trigger, _Component, _Change, _Line, Engine))
+"""Of the structures, in the order in which the library reports its own."""
+
+
+class Tables:
+    """The tables of one run, and all memory that they refer to.
+
+    ``participants`` and ``groups`` are in the order in which a failure counts them.
+    """
+
+    def __init__(self, plan: Plan, record: Record, step: float | None) -> None:
+        """Fill in the tables; ``step`` [s] is the macro step of the Jacobi algorithm, None for the default one."""
+        self.participants = [*plan.discrete, *plan.continuous]
+        self.groups: list[InputGroup | OutputGroup] = []
+        self._plan = plan
+        self._record = record
+        self._memory: list[object] = []
+        values = plan.values
+        self._values = values.buffer_info()[0]
+        self._inputs = plan.inputs.buffer_info()[0]
+        components = [self._component(number, participant) for number, participant in enumerate(self.participants)]
+        split = len(plan.discrete)
+        self._discrete = (_Component * split)(*components[:split])
+        self._continuous = (_Component * len(plan.continuous))(*components[split:])
+        lines = [self._line(line) for line in plan.lines]
+        self.engine = Engine(
+            values=self._values,
+            grid=record.grid.ctypes.data,
+            rows=record.rows.ctypes.data,
+            discrete=addressof(self._discrete),
+            continuous=addressof(self._continuous),
+            changes=self._changes(plan.schedule),
+            lines=self._keep((_Line * len(lines))(*lines)),
+            n_values=len(values),
+            n_recorded=plan.recorded,
+            n_rows=len(record.grid),
+            n_discrete=split,
+            n_continuous=len(plan.continuous),
+            n_changes=len(plan.schedule.changes),
+            n_lines=len(lines),
+            step=step or 0.0,
+            coupled=plan.coupled,
+        )
+
+    def take_back(self) -> None:
+        """Put what the native loop has counted into the record and the participants."""
+        engine, record = self.engine, self._record
+        record.count, record.now, record.exchanges = engine.row, engine.now, engine.exchanges
+        for participant, component in zip(self.participants, [*self._discrete, *self._continuous], strict=True):
+            participant.due = component.due
+            participant.time = component.time
+            participant.ticks = component.ticks
+            participant.steps = component.steps
+            participant.events = component.events
+            participant.in_event_mode = bool(component.in_event_mode)
+
+    def _keep(self, memory: Array[Any]) -> int:
+        self._memory.append(memory)
+        return addressof(memory)
+
+    def _component(self, number: int, participant: Participant) -> _Component:
+        instance = participant.instance
+        component = _Component(
+            instance=instance.component,
+            do_step=instance.pointer("DoStep"),
+            period=participant.period,
+            due=participant.due,
+            time=participant.time,
+            fmi=int(instance.fmu.fmi_version[0]),
+            role=_ROLES[participant.role],
+            number=number,
+            in_event_mode=participant.in_event_mode,
+            n_inputs=len(participant.input_groups),
+            n_outputs=len(participant.output_groups),
+            n_triggers=len(participant.triggers),
+        )
+        if participant.role is Role.EVENT:
+            component.enter_event_mode = instance.pointer("EnterEventMode")
+            component.enter_step_mode = instance.pointer("EnterStepMode")
+            component.update_discrete_states = instance.pointer("UpdateDiscreteStates")
+        inputs = [self._input_group(participant, group) for group in participant.input_groups]
+        outputs = [self._output_group(participant, group) for group in participant.output_groups]
+        triggers = [_Trigger(_wire(wire), self._inputs + 8 * wire.target) for wire in participant.triggers]
+        component.inputs = self._keep((_Group * len(inputs))(*inputs))
+        component.outputs = self._keep((_Group * len(outputs))(*outputs))
+        component.triggers = self._keep((_Trigger * len(triggers))(*triggers))
+        return component
+
+    def _input_group(self, participant: Participant, group: InputGroup) -> _Group:
+        number = self._number(group)
+        return _Group(
+            access=participant.instance.pointer(group.access.function),
+            references=addressof(group.access.references),
+            memory=group.access.address,
+            doubles=self._inputs + 8 * group.start,
+            wires=self._keep((_Wire * len(group.wires))(*map(_wire, group.wires))),
+            count=len(group.wires),
+            type=_TYPES[participant.instance.type_codes[group.fmi_type]],
+            number=number,
+        )
+
+    def _output_group(self, participant: Participant, group: OutputGroup) -> _Group:
+        number = self._number(group)
+        return _Group(
+            access=participant.instance.pointer(group.whole.function),
+            references=addressof(group.whole.references),
+            memory=group.whole.address,
+            doubles=self._values + 8 * group.start,
+            count=len(group.whole.references),
+            connected=len(group.connected.references) if group.connected else 0,
+            type=_TYPES[participant.instance.type_codes[group.fmi_type]],
+            number=number,
+        )
+
+    def _number(self, group: InputGroup | OutputGroup) -> int:
+        self.groups.append(group)
+        return len(self.groups) - 1
+
+    def _changes(self, schedule: Schedule) -> int:
+        changes = [_Change(time, value, slot) for time, slot, value in schedule.changes]
+        return self._keep((_Change * len(changes))(*changes))
+
+    def _line(self, line: Line) -> _Line:
+        times, values = (_doubles(numbers) for numbers in (line.times, line.values))
+        self._memory += [times, values]
+        return _Line(addressof(times), addressof(values), len(times), line.start, line.slot, line.middle)
+
+
+def _wire(wire: Wire) -> _Wire:
+    return _Wire(wire.factor, wire.offset, wire.source)
+
+
+def _doubles(numbers: Sequence[float]) -> Array[c_double]:
+    return (c_double * len(numbers))(*numbers)

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Between the signals and the FMUs: inputs are set if they have changed, outputs are read if somebody takes them.
+ */
+#include <math.h>
+
+#include "engine.h"
+
+typedef Status (*Access2)(void *, const ValueReference *, size_t, void *);
+typedef Status (*Access3)(void *, const ValueReference *, size_t, void *, size_t);
+
+static bool call(Engine *engine, const Component *component, const Group *group, int64_t count) {
+    const size_t n = (size_t)count;
+    const Status status =
+        component->fmi == 2
+            ? ((Access2)group->access)(component->instance, group->references, n, group->memory)
+            : ((Access3)group->access)(component->instance, group->references, n, group->memory, n);
+    if (status < FAILED) return true;
+    engine->failure.function = ACCESS;
+    engine->failure.group = group->number;
+    engine->failure.status = status;
+    return fail(engine, component, CALL_FAILED);
+}
+
+/* Fractions are cut off before the range is looked at, as int() does. The limits are written so that they are exact. */
+#define STORE(type, lowest, beyond)                                                            \
+    for (int64_t i = 0; i < group->count; i++) {                                               \
+        const double whole = trunc(group->doubles[i]);                                         \
+        if (!(whole >= (lowest) && whole < (beyond))) return out_of_range(engine, component, group, i); \
+        ((type *)group->memory)[i] = (type)whole;                                              \
+    }                                                                                          \
+    return true
+
+static bool out_of_range(Engine *engine, const Component *component, const Group *group, int64_t i) {
+    engine->failure.group = group->number;
+    engine->failure.value = group->doubles[i];
+    return fail(engine, component, OUT_OF_RANGE);
+}
+
+static bool store(Engine *engine, const Component *component, const Group *group) {
+    switch ((Type)group->type) {
+        case FLOAT64: return true;
+        case FLOAT32:
+            for (int64_t i = 0; i < group->count; i++) ((float *)group->memory)[i] = (float)group->doubles[i];
+            return true;
+        case INT8: STORE(int8_t, -0x1p7, 0x1p7);
+        case UINT8: STORE(uint8_t, 0.0, 0x1p8);
+        case INT16: STORE(int16_t, -0x1p15, 0x1p15);
+        case UINT16: STORE(uint16_t, 0.0, 0x1p16);
+        case INT32: STORE(int32_t, -0x1p31, 0x1p31);
+        case UINT32: STORE(uint32_t, 0.0, 0x1p32);
+        case INT64: STORE(int64_t, -0x1p63, 0x1p63);
+        case UINT64: STORE(uint64_t, 0.0, 0x1p64);
+    }
+    return true;
+}
+
+#define LOAD(type)                                                                                       \
+    for (int64_t i = 0; i < count; i++) group->doubles[i] = (double)((const type *)group->memory)[i]; \
+    break
+
+static void load(const Group *group, int64_t count) {
+    switch ((Type)group->type) {
+        case FLOAT64: break;
+        case FLOAT32: LOAD(float);
+        case INT8: LOAD(int8_t);
+        case UINT8: LOAD(uint8_t);
+        case INT16: LOAD(int16_t);
+        case UINT16: LOAD(uint16_t);
+        case INT32: LOAD(int32_t);
+        case UINT32: LOAD(uint32_t);
+        case INT64: LOAD(int64_t);
+        case UINT64: LOAD(uint64_t);
+    }
+}
+
+bool write_inputs(Engine *engine, Component *component) {
+    for (const Group *group = component->inputs; group < component->inputs + component->n_inputs; group++) {
+        bool changed = false;
+        for (int64_t i = 0; i < group->count; i++) {
+            const Wire *wire = &group->wires[i];
+            const double value = engine->values[wire->source] * wire->factor + wire->offset;
+            if (value != group->doubles[i]) {
+                group->doubles[i] = value;
+                changed = true;
+            }
+        }
+        if (changed && !(store(engine, component, group) && call(engine, component, group, group->count))) return false;
+    }
+    return true;
+}
+
+bool read_outputs(Engine *engine, Component *component, bool recording) {
+    for (const Group *group = component->outputs; group < component->outputs + component->n_outputs; group++) {
+        const int64_t count = recording ? group->count : group->connected;
+        if (count == 0) continue;
+        if (!call(engine, component, group, count)) return false;
+        load(group, count);
+    }
+    component->stale = !recording;
+    return true;
+}
+
+bool triggered(const Engine *engine, const Component *component) {
+    for (int64_t i = 0; i < component->n_triggers; i++) {
+        const Trigger *trigger = &component->triggers[i];
+        if (engine->values[trigger->wire.source] * trigger->wire.factor + trigger->wire.offset != *trigger->input) {
+            return true;
+        }
+    }
+    return false;
+}

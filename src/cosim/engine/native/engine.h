@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The inner loop of a co-simulation, over flat tables that Python has filled in: cosim/engine/_tables.py holds the same
+ * structures. Times are in seconds. All memory belongs to the caller and stays where it is during a run; nothing here
+ * allocates, and nothing is shared between two engines, so that runs in several threads do not disturb each other.
+ *
+ * It must give the same numbers as the loop in cosim/engine/_loop.py, bit for bit: compile it without contraction of
+ * a * b + c and without any other licence to change what floating point gives.
+ */
+#ifndef COSIM_ENGINE_H
+#define COSIM_ENGINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define SAME_INSTANT 1e-9 /* two instants closer than this are one */
+#define MOST_UPDATES 100  /* of discrete states, in one event */
+#define MOST_ROUNDS 100   /* of discrete components setting each other off, at one instant */
+
+typedef uint32_t ValueReference;
+typedef int Status; /* of FMI: OK, Warning, Discard, Error, Fatal, Pending */
+#define FAILED 2    /* from this status on, a call has failed */
+
+/* Any FMI function; it is converted to its own type before it is called. */
+typedef void (*Function)(void);
+
+/* How a variable lies in the memory that an FMI function takes. */
+typedef enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64 } Type;
+
+/* target = factor * source + offset; the source is a signal, the target the input of the wire's place in its group. */
+typedef struct {
+    double factor, offset;
+    int64_t source;
+} Wire;
+
+/* Variables of one component and one FMI type, set or read by one call. */
+typedef struct {
+    Function access;
+    const ValueReference *references;
+    void *memory;       /* what the FMU reads or fills: the doubles themselves if they are Float64 */
+    double *doubles;    /* the same variables in the tables of the engine */
+    const Wire *wires;  /* one per variable; inputs only */
+    int64_t count;
+    int64_t connected;  /* the first of these outputs drive something, the others are only recorded */
+    int32_t type;
+    int32_t number;     /* its place among all groups, for the record of a failure */
+} Group;
+
+/* A change of this signal is an event for the component, even between its own events. */
+typedef struct {
+    Wire wire;
+    const double *input;
+} Trigger;
+
+typedef enum { CONTINUOUS, EVENT, SAMPLED } Role;
+
+typedef struct {
+    void *instance;
+    Function do_step, enter_event_mode, enter_step_mode, update_discrete_states;
+    const Group *inputs, *outputs;
+    const Trigger *triggers;
+    int64_t n_inputs, n_outputs, n_triggers;
+    double period;    /* of a sampled component */
+    double due;       /* its next event or sample, infinite if there is none */
+    double time;      /* up to which it has been stepped; discrete components only */
+    int64_t ticks;    /* samples taken */
+    int64_t steps;    /* doStep calls */
+    int64_t events;   /* instants with an event */
+    int32_t fmi;      /* 2 or 3 */
+    int32_t role;
+    int32_t number;   /* its place in the order of the tables */
+    int32_t in_event_mode;
+    int32_t event_needed; /* doStep has said so */
+    int32_t stale;    /* outputs that are only recorded have not been read since it was computed */
+} Component;
+
+/* Signal `slot` takes `value` at `time`; slot -1: nothing changes, but a linear channel has a corner there. */
+typedef struct {
+    double time, value;
+    int64_t slot;
+} Change;
+
+/* A linear channel: its signal `slot` holds the value at an instant, `middle` that in the middle of a step. */
+typedef struct {
+    const double *times, *values;
+    int64_t count;
+    double start; /* before its first entry */
+    int64_t slot, middle;
+} Line;
+
+typedef enum {
+    NONE,
+    CALL_FAILED,          /* a function returned `status` */
+    ASKS_TO_END,
+    RETURNED_EARLY,
+    NEVER_SETTLES,        /* an event needs ever more updates */
+    ANNOUNCES_THE_PAST,   /* as its next event */
+    WITHOUT_END,          /* events of several components set each other off */
+    NOT_A_NUMBER,
+    OUT_OF_RANGE          /* `value` does not fit an integer input of `group` */
+} FailureKind;
+
+typedef enum { DO_STEP, ENTER_EVENT_MODE, ENTER_STEP_MODE, UPDATE_DISCRETE_STATES, ACCESS } CalledFunction;
+
+typedef struct {
+    double value;
+    int32_t kind, component, function, status, group, unused;
+} Failure;
+
+typedef struct {
+    double *values;      /* the signals; the first n_recorded are the columns of the result */
+    const double *grid;  /* times of the rows; the last is the end of the run */
+    double *rows;        /* column i begins at rows + i * n_rows */
+    Component *discrete, *continuous;
+    const Change *changes;
+    const Line *lines;
+    int64_t n_values, n_recorded, n_rows;
+    int64_t n_discrete, n_continuous, n_changes, n_lines;
+    int64_t row;         /* recorded so far */
+    int64_t change;      /* the first that was not yet applied */
+    int64_t exchanges;
+    int64_t macro_steps; /* fixed-step algorithm only */
+    double now;          /* the last communication point that was reached */
+    double step;         /* macro step; fixed-step algorithm only */
+    int32_t coupled;     /* every communication point is an exchange */
+    int32_t started;
+    Failure failure;
+} Engine;
+
+typedef enum { UNFINISHED, FINISHED, BROKEN } Outcome;
+
+/* Component: false after a failure, which is then in the engine. */
+bool write_inputs(Engine *engine, Component *component);
+bool read_outputs(Engine *engine, Component *component, bool recording);
+bool do_step(Engine *engine, Component *component, double t, double h);
+bool carry(Engine *engine, Component *component, double t);
+bool triggered(const Engine *engine, const Component *component);
+bool handle_event(Engine *engine, Component *component, double t, bool recording);
+bool take_sample(Engine *engine, Component *component, bool recording);
+bool leave_event_mode(Engine *engine, Component *component);
+bool fail(Engine *engine, const Component *component, FailureKind kind);
+
+/* Channels. */
+double next_change(const Engine *engine);
+void apply_changes(Engine *engine, double t);
+void set_middles(Engine *engine, double middle);
+void set_lines(Engine *engine, double t);
+
+/* Result. */
+bool is_row(const Engine *engine, double t);
+bool put_row(Engine *engine);
+bool are_numbers(Engine *engine);
+
+/* Time since some moment in the past. */
+double wall_clock(void);
+
+#endif

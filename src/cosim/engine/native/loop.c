@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The two co-simulation algorithms. Each call goes on where the last one stopped, for about `limit` seconds of wall
+ * time and for at least one macro step, so that the caller can report progress and be interrupted in between.
+ */
+#include <math.h>
+
+#include "engine.h"
+
+#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+/* Macro steps between two looks at the clock, each of which takes as long as a step of a small FMU. While that many
+ * steps take long enough to be noticed, every step is followed by a look. */
+#define BETWEEN_LOOKS 16
+#define LONG 0.01
+
+/* Apply the channels and compute the discrete components that are due at t, until nothing changes any more. */
+static bool exchange(Engine *engine, double t, bool recording) {
+    apply_changes(engine, t);
+    Component *const end = engine->discrete + engine->n_discrete;
+    bool quiet = false;
+    for (int round = 0; !quiet; round++) {
+        if (round == MOST_ROUNDS) {
+            engine->failure.kind = WITHOUT_END;
+            return false;
+        }
+        quiet = true;
+        for (Component *component = engine->discrete; component < end; component++) {
+            if (component->due <= t + SAME_INSTANT || triggered(engine, component)) {
+                quiet = false;
+                const bool done = component->role == EVENT ? handle_event(engine, component, t, recording)
+                                                           : take_sample(engine, component, recording);
+                if (!done) return false;
+            }
+        }
+    }
+    for (Component *component = engine->discrete; component < end; component++) {
+        if (component->in_event_mode && !leave_event_mode(engine, component)) return false;
+    }
+    return true;
+}
+
+/* Step the continuous components from now to t, each with what those before it have just put out. */
+static bool advance(Engine *engine, double t, bool recording) {
+    const double now = engine->now, h = t - now;
+    set_middles(engine, now + 0.5 * h);
+    Component *const end = engine->continuous + engine->n_continuous;
+    for (Component *component = engine->continuous; component < end; component++) {
+        if (!write_inputs(engine, component) || !do_step(engine, component, now, h) ||
+            !read_outputs(engine, component, recording)) {
+            return false;
+        }
+    }
+    set_lines(engine, t);
+    return true;
+}
+
+/* Step to the next instant at which something is to be exchanged, or to the next row if that comes first. */
+static bool go_on(Engine *engine) {
+    Component *const end = engine->discrete + engine->n_discrete;
+    const double row = engine->grid[engine->row], stop = engine->grid[engine->n_rows - 1];
+    const double change = next_change(engine);
+    double due = INFINITY;
+    for (const Component *component = engine->discrete; component < end; component++) {
+        if (component->due < due) due = component->due;
+    }
+    const double instant = due <= change + SAME_INSTANT ? due : change;
+    bool exchanging = instant <= row + SAME_INSTANT;
+    double t = exchanging ? instant : row;
+    if (t > stop) t = stop;
+    const bool recording = is_row(engine, t);
+    if (!advance(engine, t, recording)) return false;
+    for (Component *component = engine->discrete; component < end; component++) {
+        if (component->role == EVENT && component->due == INFINITY) {
+            if (!carry(engine, component, t)) return false;
+            exchanging = exchanging || component->due == t;
+        }
+    }
+    engine->now = t;
+    if (exchanging && !(are_numbers(engine) && exchange(engine, t, recording))) return false;
+    engine->exchanges += exchanging || engine->coupled;
+    return true;
+}
+
+/* Between the communication points t and t + step all components see what all have put out at t. */
+static bool go_on_jacobi(Engine *engine) {
+    Component *const end = engine->continuous + engine->n_continuous;
+    const double now = engine->now, h = engine->step;
+    const double t = (double)++engine->macro_steps * h;
+    set_middles(engine, now + 0.5 * h);
+    for (Component *component = engine->continuous; component < end; component++) {
+        if (!write_inputs(engine, component)) return false;
+    }
+    for (Component *component = engine->continuous; component < end; component++) {
+        if (!do_step(engine, component, now, h)) return false;
+    }
+    const bool recording = is_row(engine, t);
+    for (Component *component = engine->continuous; component < end; component++) {
+        if (!read_outputs(engine, component, recording)) return false;
+    }
+    set_lines(engine, t);
+    apply_changes(engine, t);
+    engine->now = t;
+    engine->exchanges++;
+    return are_numbers(engine);
+}
+
+static bool start(Engine *engine) {
+    engine->started = true;
+    engine->exchanges = 1;
+    if (engine->step == 0.0) return exchange(engine, 0.0, true);
+    apply_changes(engine, 0.0);
+    return true;
+}
+
+/* A step of 0 asks for the default algorithm. */
+EXPORT int cosim_run(Engine *engine, double limit) {
+    const double begun = wall_clock();
+    const bool jacobi = engine->step > 0.0;
+    double looked = begun;
+    int until_look = 1;
+    if (!engine->started && !start(engine)) return BROKEN;
+    for (bool first = true;; first = false) {
+        if (!first && --until_look == 0) {
+            const double now = wall_clock();
+            if (fabs(now - begun) >= limit) return UNFINISHED;
+            until_look = now - looked > LONG ? 1 : BETWEEN_LOOKS;
+            looked = now;
+        }
+        if (is_row(engine, engine->now)) {
+            if (!put_row(engine)) return BROKEN;
+            if (engine->row == engine->n_rows) return FINISHED;
+        }
+        if (!(jacobi ? go_on_jacobi(engine) : go_on(engine))) return BROKEN;
+    }
+}
+
+/* Sizes of the structures, so that whoever fills them in can check that he means the same. */
+EXPORT void cosim_sizes(int64_t sizes[7]) {
+    sizes[0] = sizeof(Wire);
+    sizes[1] = sizeof(Group);
+    sizes[2] = sizeof(Trigger);
+    sizes[3] = sizeof(Component);
+    sizes[4] = sizeof(Change);
+    sizes[5] = sizeof(Line);
+    sizes[6] = sizeof(Engine);
+}

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The rows of the result, and the clock by which a run is cut into pieces.
+ */
+#include <time.h>
+
+#include "engine.h"
+
+bool is_row(const Engine *engine, double t) { return t >= engine->grid[engine->row] - SAME_INSTANT; }
+
+/* Whose output it is, the caller finds out. */
+bool are_numbers(Engine *engine) {
+    int strange = 0;
+    for (int64_t i = 0; i < engine->n_recorded; i++) strange |= engine->values[i] != engine->values[i];
+    if (strange) engine->failure.kind = NOT_A_NUMBER;
+    return !strange;
+}
+
+bool put_row(Engine *engine) {
+    for (int64_t i = 0; i < engine->n_discrete; i++) {
+        if (engine->discrete[i].stale && !read_outputs(engine, &engine->discrete[i], true)) return false;
+    }
+    if (!are_numbers(engine)) return false;
+    double *place = engine->rows + engine->row++;
+    for (int64_t i = 0; i < engine->n_recorded; i++, place += engine->n_rows) *place = engine->values[i];
+    return true;
+}
+
+double wall_clock(void) {
+    struct timespec now;
+    timespec_get(&now, TIME_UTC);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
