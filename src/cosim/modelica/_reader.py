@@ -75,11 +75,31 @@ def _targets(actions: tuple[Action, ...]) -> Iterator[str]:
                 yield from _targets(body)
 
 
+def _enumerations(ordinals: dict[str, int]) -> dict[str, tuple[str, ...]]:
+    """The literals of each enumeration by its full name.
+
+    The flat tree lists each literal by its full name, then, with what comes last of the type's name, once more in a
+    short form, which is not unique, and both again in quotes.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    last = ""
+    for key in ordinals:
+        if "'" in key or key == ".".join(last.split(".")[-2:]):
+            continue
+        last = key
+        name, _, literal = key.rpartition(".")
+        found[name] = (*found.get(name, ()), literal)
+    return found
+
+
 class _Reader:
     def __init__(self, tree: Tree, source: Source) -> None:
         self._tree = tree
         self._source = source
-        self._ordinals: dict[str, int] = tree["enum_literal_ordinals"]
+        types = _enumerations(tree["enum_literal_ordinals"])
+        self._ordinals = {f"{name}.{literal}": k for name, type_ in types.items() for k, literal in enumerate(type_, 1)}
+        self._enumerations = dict(zip(sorted(tree["enumeration_type_roots"]), types.values(), strict=True))
+        """Literals by rumoca's number of the type; numbers and names are both in the order of declaration."""
 
     def model(self, name: str) -> FlatModel:
         tree = self._tree
@@ -106,7 +126,7 @@ class _Reader:
             initial_equations=tuple(self._equation(node) for node in tree["initial_equations"]),
             whens=tuple(whens),
             assertions=tuple(self._assertion(node) for node in tree["assert_equations"]),
-            enumeration_values=dict(self._ordinals),
+            enumeration_values=self._ordinals,
         )
 
     @staticmethod
@@ -147,7 +167,7 @@ class _Reader:
             variability=variability,
             causality=causality,
             dimensions=tuple(node["dims"]),
-            start=self._optional(node["start"]),
+            start=self._start(node),
             fixed=fixed,
             binding=self._optional(node["binding"]),
             minimum=self._optional(node["min"]),
@@ -169,18 +189,18 @@ class _Reader:
         builtin = {number: name for name, number in self._tree["predefined_types"].items()}
         base = builtin.get(effective["canonical_type"])
         if base in ("real", "integer", "boolean", "string"):
-            return base.capitalize(), ()  # type: ignore[return-value]
-        # the type's name is as the declaration wrote it; the literals are listed under the full name and the last part
-        listed = {key.rpartition(".")[0] for key in self._ordinals}
-        matching = sorted((n for n in listed if n == type_name or n.endswith(f".{type_name}")), key=len)
-        literals = {
-            value: key.rpartition(".")[2]
-            for key, value in self._ordinals.items()
-            if matching and key.rpartition(".")[0] == matching[0] and "'" not in key
-        }
-        if not literals:
+            return base.capitalize(), ()
+        literals = self._enumerations.get(effective["canonical_type"])
+        if literals is None:
             raise self._source.error(f"{node['name']}: variables of type {type_name} are not supported", self._at(node))
-        return "Enumeration", tuple(literals[value] for value in sorted(literals))
+        return "Enumeration", literals
+
+    def _start(self, node: Tree) -> Expression | None:
+        """The start value that the model gives; where it gives none, rumoca has zero, placed at the declaration."""
+        start = node["start"]
+        if start is not None and "Literal" in start and start["Literal"].get("span") == node["source_span"]:
+            return None
+        return self._optional(start)
 
     def _optional(self, node: Tree | None) -> Expression | None:
         return None if node is None else self.expression(node)

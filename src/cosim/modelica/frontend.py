@@ -10,6 +10,7 @@ import os
 import re
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from cosim.errors import BuildError, ModelError
@@ -18,11 +19,16 @@ from cosim.modelica.flat import FlatModel
 from cosim.modelica.source import Source
 
 _QUOTED = re.compile(r"[`']([A-Za-z_][\w.]*)(?:\[[^\]]*\])?[`']")
-_AT = re.compile(r"\[[^\]\s]*:(\d+):(\d+)\]")
+_AT = re.compile(r"\s*\[[^\]\s]*:(\d+):(\d+)\]")
+_BALANCE = re.compile(r"unbalanced model: .*\(balance = (-?\d+)\)")
+_PANIC = re.compile(r'detail: "(.*?)", span: .*?start: BytePos\((\d+)\)', re.DOTALL)
+_PROBE = "CosimBalanceProbe"
 
 
 def flatten(source: Source, model: str) -> FlatModel:
     """Flatten ``model`` (its full name) of ``source``.
+
+    A model with too few or too many equations is flattened as it stands, for the structural analysis to say which.
 
     Raises:
         ModelError: the text is not valid Modelica, the class is missing or cannot be flattened, or it uses something
@@ -38,17 +44,60 @@ def flatten(source: Source, model: str) -> FlatModel:
                          file=source.files[0])  # fmt: skip
     _check_syntax(source, rumoca)
     try:
-        with _silenced_stderr():
-            compiled = rumoca.Session().loads(source.text, model=model, filename=source.files[0].name)
-            tree: dict[str, Any] = compiled.to_dict("flat")
+        tree = _tree(rumoca, source, source.text, model)
     except rumoca.RumocaError as error:
-        raise _explain(source, model, str(error)) from None
+        unbalanced = _flatten_unbalanced(rumoca, source, model, str(error))
+        if unbalanced is None:
+            raise _explain(source, model, str(error)) from None
+        return unbalanced
+    if tree["is_partial"]:
+        raise source.error(
+            f"{model} is partial, a basis for other models; compile one that extends it", source.find_class(model)
+        )
+    return _reader.read(tree, model, source)
+
+
+def _tree(rumoca: Any, source: Source, text: str, model: str) -> dict[str, Any]:  # noqa: ANN401 - a module
+    """rumoca's flat tree of a class of ``text``, which starts with that of ``source``."""
+    try:
+        with _silenced_stderr():
+            compiled = rumoca.Session().loads(text, model=model, filename=source.files[0].name)
+            tree: dict[str, Any] = compiled.to_dict("flat")
+            return tree
+    except rumoca.RumocaError:
+        raise
     except BaseException as error:
         # a panic of the front end arrives as a BaseException of its own; anything else is not ours to handle
         if type(error).__name__ != "PanicException":
             raise
+        detail = _PANIC.search(str(error))
+        if detail is not None:
+            raise source.error(f"{model}: {detail.group(1)}", int(detail.group(2))) from None
         raise source.error(f"the Modelica front end failed on {model}: {error}", source.find_class(model)) from None
-    return _reader.read(tree, model, source)
+
+
+def _flatten_unbalanced(rumoca: Any, source: Source, model: str, message: str) -> FlatModel | None:  # noqa: ANN401
+    """The flat model that rumoca refuses because it has too few or too many equations.
+
+    rumoca only says how many. A class that adds as many empty equations or free variables passes, and without these
+    it is the model that was asked for.
+    """
+    balance = _BALANCE.search(message)
+    if balance is None:
+        return None
+    surplus = int(balance.group(1))
+    added = " ".join(f"Real {_PROBE}{k};" for k in range(surplus)) + " equation " + "0 = time; " * -surplus
+    text = f"{source.text}\nmodel {_PROBE} extends {model}; {added} end {_PROBE};"
+    try:
+        flat = _reader.read(_tree(rumoca, source, text, _PROBE), model, source)
+    except (rumoca.RumocaError, ModelError):
+        return None
+    end = len(source.text.encode())
+    return replace(
+        flat,
+        variables={name: v for name, v in flat.variables.items() if v.at < end},
+        equations=tuple(equation for equation in flat.equations if equation.at < end),
+    )
 
 
 def _check_syntax(source: Source, rumoca: Any) -> None:  # noqa: ANN401 - a module
@@ -71,11 +120,41 @@ def _offset(source: Source, line: int, column: int) -> int:
     return len("\n".join(lines[: line - 1]).encode()) + (line > 1) + len(lines[line - 1][: column - 1].encode())
 
 
+_PLAINER = (
+    (r"^todae failed: ", ""),
+    (r"\S+ failed in \w+: ", ""),
+    (r"typecheck failed: ", ""),
+    (r"^could not be compiled: ", ""),
+    (r"unsupported Flat semantic owner `derivative expression`: .*",
+     "der() takes one plain variable here: declare a variable for the expression and differentiate that"),
+    (r"unbalanced model: (\d+) equations, (\d+) unknowns.*",
+     r"the model has \1 equation(s) for \2 unknown(s); add what is missing or remove what is too many"),
+    (r"invalid Appendix B discrete solved form: (`.*?`) participates in an? (internal )?current-value dependency cycle",
+     r"\1 needs its own new value to be computed; use pre() to break the ring"),
+    (r"invalid Appendix B discrete solved form: (`.*?`) has more than one semantic definition owner",
+     r"\1 is defined more than once"),
+    (r"unsupported Flat semantic owner `pre expression`: pre\((`.*?`)\) .*",
+     r"pre() of \1: a continuous variable has a value before the event only inside when"),
+    (r"canonical DAE construction rejected an invalid operation: expected a numeric expression, found Boolean",
+     "a Boolean stands where a number is expected"),
+    (r"canonical DAE construction rejected an invalid operation: expression shape mismatch",
+     "the two sides of an equation do not fit: arrays of different shapes, or a Real for an Integer"),
+    (r"reinit\(\) can only be applied to state variables: (\S+) is not a state",
+     r"reinit() of `\1`, which is not a state: only what stands in der() can be reinitialised"),
+    (r"(cyclic dependency in parameter binding for '.*?').*", r"\1: parameters depend on each other in a ring"),
+)  # fmt: skip
+"""What rumoca says in its own terms, and what it means."""
+
+
 def _explain(source: Source, model: str, text: str) -> ModelError:
     """Put the place that rumoca's message leaves out in front of it, from the names it quotes."""
-    message = text.split("\nRelated failures", maxsplit=1)[0].strip()
-    message = re.sub(r"^todae failed: \S+ failed in ToDae: ", "", message)
-    message = re.sub(rf"^{re.escape(model)} could not be compiled: ", "", message)
+    message = text.partition("\nRelated failures")[0].strip().removeprefix(f"{model} ")
+    for pattern, plainer in _PLAINER:
+        message = re.sub(pattern, plainer, message)
+    at = _AT.search(message)
+    if at is not None:
+        offset: int | None = _offset(source, int(at.group(1)), int(at.group(2)))
+        return source.error(f"{model}: {_AT.sub('', message)}", offset)
     declared = source.find_class(model)
     offset = declared
     for name in _QUOTED.findall(message):
@@ -85,8 +164,6 @@ def _explain(source: Source, model: str, text: str) -> ModelError:
         if found is not None:
             offset = found
             break
-    if "unbalanced model" in message:
-        message += "; a model needs as many equations as unknowns: add what is missing or remove what is too many"
     return source.error(f"{model}: {message}", offset)
 
 

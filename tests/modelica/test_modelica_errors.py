@@ -1,0 +1,222 @@
+"""What a user reads about a wrong model: file, line, what is wrong, what to do; never a traceback."""
+
+from __future__ import annotations
+
+import re
+import string
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cosim.errors import ModelError
+from cosim.fmu import compile_model
+from cosim.modelica import Source, flatten
+
+pytest.importorskip("rumoca")
+
+BAD = Path(__file__).parents[1] / "models" / "bad"
+UNITS = (
+    "accepted are SI symbols with prefixes and bare exponents, joined by '.' and '/', such as N.m, kg.m2, rad/s,"
+    " V.s/rad, m/s2, Ohm, ms, deg, rpm, degC, % or 1 for a plain number"
+)
+MESSAGES = {
+    "Algorithm": "5:3: algorithm sections may hold only when-statements so far; write this as an equation",
+    "ConnectedSources": "10:5: ConnectedSources is structurally singular: not enough equations for first.p.i,"
+    " second.p.i; too many equations in: first.p.v = first.u, second.p.v = second.u, first.p.v = second.p.v",
+    "ConstrainedInput": "7:3: x ^ 3 = u: the derivative of the input u would be needed here; an input cannot prescribe"
+    " what is a state of the model. Prescribe a force, torque or voltage instead, or pass the input through a filter",
+    "Delay": "4:13: delay() is not supported",
+    "DerivativeOfExpression": "1:7: DerivativeOfExpression: der() takes one plain variable here: declare a variable for"
+    " the expression and differentiate that",
+    "DiscreteLoop": "3:11: DiscreteLoop: `a` needs its own new value to be computed; use pre() to break the ring",
+    "EqualReals": "1:7: EqualReals: equality comparison on Real values is not allowed outside functions (MLS §3.5)",
+    "EquationTooMany": "4:3: EquationTooMany has 2 equations for 1 unknown: too many equations in: der(x) = -x, x = 2",
+    "ForbiddenState": "3:3: y has StateSelect.always but cannot be a state together with the others; its constraints"
+    " leave no freedom for it",
+    "InputDerivative": "5:10: y equals the input x, whose derivative would be needed; pass the input through a filter",
+    "MissingEquation": "2:3: MissingEquation has 1 equation for 2 unknowns: not enough equations for x, force",
+    "NoUnit": f"2:3: x: 'grumble/s' is not a unit; {UNITS}",
+    "NoValue": "2:13: the parameter k has no value; give it one",
+    "OutOfRange": "5:16: OutOfRange: subscript 4 for `x` is out of bounds for dimension of size 3 (MLS §10.5.1)",
+    "ReinitAlgebraic": "3:8: ReinitAlgebraic: reinit() of `y`, which is not a state: only what stands in der() can be"
+    " reinitialised",
+    "Ring": "2:18: Ring: cyclic dependency in parameter binding for 'a': parameters depend on each other in a ring",
+    "Singular": "7:3: Singular is structurally singular: not enough equations for b, c; too many equations in:"
+    " der(x) = -x, a = 2 * x, a = 3 * x + 1",
+    "SyntaxError": "3:1: unexpected `equation`; expected one of: annotation, constrainedby, ;, ), ,",
+    "Text": "3:13: name: String variables are not supported yet",
+    "TooManyStarts": "3:3: TooManyStarts: one initial condition too many: y = 2 (fixed start); as many are possible as"
+    " there are states: x. Take fixed=true or an initial equation away",
+    "TwoStarts": "3:3: y and x are the same variable but have different fixed start values",
+    "UnassignedDiscrete": "3:3: b is discrete, but no equation or when-clause gives it a value",
+    "UnknownClass": "3:3: UnknownClass: unresolved type reference: 'Gearbox'",
+    "UnknownParameter": "8:11: UnknownParameter: unknown modifier `tau` for component `lag` of type `Lag`",
+    "UnknownVariable": "4:17: UnknownVariable: unresolved component reference: 'spede'",
+    "UserFunction": "10:13: calls of the function square are not supported yet",
+    "WrongEnd": "5:5: parse error: End name 'RightEnd' does not match class name",
+    "WrongShape": "5:3: WrongShape: array dimension mismatch: expected `[3]`, found `[2]`",
+}
+
+
+def test_every_wrong_model_has_its_message() -> None:
+    assert set(MESSAGES) == {file.stem for file in BAD.glob("*.mo")}
+
+
+@pytest.mark.parametrize("name", sorted(MESSAGES))
+def test_a_wrong_model_is_refused_with_its_place_and_what_to_do(name: str) -> None:
+    file = BAD / f"{name}.mo"
+    with pytest.raises(ModelError) as caught:
+        compile_model(file, name)
+    assert str(caught.value) == f"{file}:{MESSAGES[name]}"
+    assert caught.value.exit_code == 2
+
+
+def test_a_class_that_is_not_there_is_named() -> None:
+    file = BAD / "Delay.mo"
+    with pytest.raises(ModelError) as caught:
+        compile_model(file, "Delayed")
+    expected = f"{file}: there is no class 'Delayed' in this text; give its full name, package and all"
+    assert str(caught.value) == expected
+
+
+def test_a_partial_model_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "Base.mo"
+    file.write_text('partial model Base "Base"\n  Real x(start=1, fixed=true);\nequation\n  der(x) = -x;\nend Base;\n')
+    with pytest.raises(ModelError) as caught:
+        compile_model(file, "Base")
+    assert str(caught.value) == f"{file}:1:15: Base is partial, a basis for other models; compile one that extends it"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"\xff\xfe\x00", ": Modelica text is UTF-8; byte 0 is not"),
+        (b"", ": there is no class 'M' in this text; give its full name, package and all"),
+    ],
+)
+def test_a_file_without_modelica_text_is_refused(tmp_path: Path, content: bytes, message: str) -> None:
+    file = tmp_path / "M.mo"
+    file.write_bytes(content)
+    with pytest.raises(ModelError) as caught:
+        compile_model(file, "M")
+    assert str(caught.value) == f"{file}{message}"
+
+
+def test_missing_files_and_folders_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ModelError) as caught:
+        Source.read(tmp_path / "none.mo")
+    assert str(caught.value) == (
+        f"{tmp_path / 'none.mo'}: no such file or folder; give a .mo file or a folder with a package.mo"
+    )
+    with pytest.raises(ModelError) as caught:
+        Source.read(tmp_path)
+    assert str(caught.value) == f"{tmp_path}: this folder has no package.mo, so it is not a Modelica package"
+
+
+def test_the_place_is_right_in_the_file_of_a_package_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "Lib"
+    folder.mkdir()
+    (folder / "package.mo").write_text('package Lib "Päckchen"\nend Lib;\n', encoding="utf-8")
+    (folder / "A.mo").write_text('within Lib;\nmodel A "Größe"\n  Real x = 1;\nend A;\n', encoding="utf-8")
+    (folder / "B.mo").write_text('within Lib;\n// Maß\nmodel B "Weiß"\n  Real x = ß;\nend B;\n', encoding="utf-8")
+    with pytest.raises(ModelError) as caught:
+        flatten(Source.read(folder), "Lib.A")
+    assert (caught.value.file, caught.value.line) == (folder / "B.mo", 4)
+    (folder / "B.mo").write_text('within Lib;\n// Maß\nmodel B "Weiß"\n  Real x = y;\nend B;\n', encoding="utf-8")
+    with pytest.raises(ModelError) as caught:
+        flatten(Source.read(folder), "Lib.B")
+    assert str(caught.value) == f"{folder / 'B.mo'}:4:12: Lib.B: unresolved component reference: 'y'"
+
+
+WORDS = [
+    "model", "M", "end", "equation", "Real", "x", "y", "(", ")", "=", ";", "der", "+", "-", "*", "/", "1", "2.5", "if",
+    "then", "else", "when", "pre", "sample", ",", "[", "]", "{", "}", ":", '"text"', "parameter", "input", "start",
+    "connect", "algorithm", ":=", "time", "sin", "Boolean", "and", "not", "<", "//", "/*", "each", "for", "loop", "in",
+    "initial", "within", "package", "extends", "reinit", ".", "annotation", "ä", "\n", "'", "\\", "0x", "1e999", "$",
+]  # fmt: skip
+
+
+def refuse_or_compile(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "M.mo"
+    file.write_text(text, encoding="utf-8")
+    try:
+        compile_model(file, "M")
+    except ModelError as error:
+        assert str(error).startswith(str(file)), error
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(st.sampled_from(WORDS), max_size=25))
+def test_any_words_in_a_model_give_a_message_never_a_traceback(tmp_path: Path, words: list[str]) -> None:
+    refuse_or_compile(tmp_path, f"model M\n {' '.join(words)} \nend M;")
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.text(alphabet=string.printable + "äß→\u2028\U0001f600", max_size=60))
+def test_any_text_gives_a_message_never_a_traceback(tmp_path: Path, text: str) -> None:
+    refuse_or_compile(tmp_path, text)
+
+
+DECLARATIONS = {
+    "x": "Real x(start=1, fixed=true);",
+    "y": "Real y;",
+    "k": "parameter Real k = 2;",
+    "b": "Boolean b;",
+    "n": "Integer n(start=0);",
+    "a": "Real a[2];",
+}
+EQUATIONS = """
+der(x) = -k*x;
+y = 2*x;
+y = x^2 + n;
+b = x < 0.5;
+when b then n = pre(n) + 1; end when;
+when sample(0, 0.1) then n = pre(n) + 1; end when;
+a = {x, y};
+a[1] = x; a[2] = a[1];
+y = der(x);
+x = time;
+y = if b then 1 else x;
+der(y) = x;
+b = not b;
+b = pre(b);
+when x > 1 then reinit(x, 0); end when;
+y = a[3];
+a = x;
+y = b;
+n = x;
+y = sqrt(a);
+y = max(x, k, 3);
+y = smooth(0, x);
+y = mod(x, 0.1);
+y = integer(x);
+assert(x > 0, "text");
+terminate("end");
+for i in 1:2 loop a[i] = i*x; end for;
+x = y; y = x;
+0 = y*x;
+y = sample(0, 1);
+y = a*a;
+y = pre(x);
+k = 3;
+y = time/0;
+y = atan2(x);
+y = cat(1, a);
+der(k) = 1;
+y = {1, 2}*a;
+der(b) = 1;
+a = a + y;
+y = noEvent(abs(x));
+y = der(x); der(y) = -x;
+y = der(x); a[1] = der(y); der(a[1]) = a[2]; a[2] = -x - y - a[1];
+""".strip().splitlines()
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(st.sampled_from(EQUATIONS), min_size=1, max_size=5))
+def test_any_equations_give_a_model_or_a_message(tmp_path: Path, equations: list[str]) -> None:
+    names = set(re.findall(r"\w+", " ".join(equations)))
+    declarations = [text for name, text in DECLARATIONS.items() if name in names]
+    refuse_or_compile(tmp_path, f"model M\n  {' '.join(declarations)}\nequation\n  {' '.join(equations)}\nend M;\n")

@@ -1,0 +1,5 @@
+model WrongEnd "Ends with another name"
+  Real x(unit="1", start=1, fixed=true) "State";
+equation
+  der(x) = -x;
+end RightEnd;
