@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference.closed_loop import ClosedLoop, closed_loop
-from reference.controller import Parameters
-from reference.plant import linkage_plant
 
 from cosim.engine import Result, simulate
 from cosim.fmu import catalogue
 from cosim.scenario import assemble, read
+from reference.closed_loop import ClosedLoop, closed_loop
+from reference.controller import Parameters
+from reference.plant import linkage_plant
 
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "linkage_20ms.csv"
 

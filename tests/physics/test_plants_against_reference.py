@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from physics.conftest import Run, Simulate
 from reference.geometry import catalogue_linkage
 from reference.plant import linkage_plant, rig_plant
