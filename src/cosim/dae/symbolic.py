@@ -19,6 +19,8 @@ def substitute(expression: SX, values: Mapping[str, SX]) -> SX:
 
 def evaluate(expression: SX, values: Mapping[str, float]) -> ca.DM:
     """The number, or matrix of numbers, that an expression has for values of its symbols."""
+    if expression.is_constant():
+        return ca.DM(expression)
     symbols = ca.symvar(expression)
     function = ca.Function("value", [ca.vertcat(SX(0, 1), *symbols)], [expression])
     return function(ca.DM([values[s.name()] for s in symbols]))

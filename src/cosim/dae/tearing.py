@@ -291,9 +291,10 @@ class _Tearer:
         return False
 
     def _at_points(self, expression: SX) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        names = [s.name() for s in ca.symvar(expression)]
-        points = [{name: self._value(point, name) for name in names} for point in self._points]
-        return np.array([float(evaluate(expression, point)) for point in points])
+        symbols = ca.symvar(expression)
+        function = ca.Function("value", [ca.vertcat(SX(0, 1), *symbols)], [expression])
+        points = [[self._value(point, s.name()) for s in symbols] for point in self._points]
+        return np.array([float(function(point)) for point in points])
 
     def _value(self, point: dict[str, float], name: str) -> float:
         if name in self._parameters:

@@ -17,7 +17,8 @@ from cosim.errors import BuildError
 
 RUNTIME = Path(__file__).parent / "runtime"
 
-_FLAGS = ("-std=c11", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
+# no debug information: it holds the temporary folder's name, so that no two builds would be the same
+_FLAGS = ("-std=c11", "-O2", "-g0", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
 
 
 @dataclass(frozen=True)
