@@ -11,9 +11,7 @@ import pytest
 from cosim.engine import Fmu
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "fmus"))
-from fmu_builder import FAULTY, INTEGRATOR, SAMPLER, build, with_unknown_dependencies
-
-MODELS = {"sampler": SAMPLER, "integrator": INTEGRATOR, "faulty": FAULTY}
+from fmu_builder import INTEGRATOR, MODELS, build, with_unknown_dependencies
 
 
 @pytest.fixture(scope="session")

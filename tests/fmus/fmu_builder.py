@@ -14,7 +14,8 @@ import fmpy
 HERE = Path(__file__).parent
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 _CFLAGS = ["-shared", "-fPIC", "-O2", "-std=c11", "-ffp-contract=off", "-w"]
-_FMI2_TYPES = {"Float64": "Real", "Int32": "Integer", "UInt64": "Integer"}
+_KINDS = ("Float64", "Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Boolean")
+_FMI2_TYPES = {kind: "Integer" for kind in _KINDS if "Int" in kind} | {"Float64": "Real", "Float32": "Real"}
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,24 @@ FAULTY = Model(
     ),
     literals=("none", "not_a_number", "error", "discard", "terminate", "silent_error", "fatal", "early"),
 )
-MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY)}
+MIRROR = Model(
+    "mirror",
+    tuple(
+        Described(
+            f"{letter}_{kind}",
+            12 * (letter == "y") + number,
+            causality,
+            "continuous" if "Float" in kind else "discrete",
+            kind,
+            start={"Boolean": "false", "Enumeration": "1"}.get(kind, "0") if letter == "u" else None,
+            unit="m" if kind == "Float64" else None,
+        )
+        for letter, causality in (("u", "input"), ("y", "output"))
+        for number, kind in enumerate((*_KINDS, "Enumeration"), 1)
+    ),
+    literals=("left", "middle", "right"),
+)
+MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR)}
 
 
 def build(model: Model, fmi: int, folder: Path) -> Path:

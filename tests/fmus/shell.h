@@ -145,7 +145,12 @@ fmi3Status fmi3Reset(fmi3Instance c) { return fmi3OK; }
     }
 ACCESS(Float64, fmi3Float64)
 ACCESS(Float32, fmi3Float32)
+ACCESS(Int8, fmi3Int8)
+ACCESS(UInt8, fmi3UInt8)
+ACCESS(Int16, fmi3Int16)
+ACCESS(UInt16, fmi3UInt16)
 ACCESS(Int32, fmi3Int32)
+ACCESS(UInt32, fmi3UInt32)
 ACCESS(Int64, fmi3Int64)
 ACCESS(UInt64, fmi3UInt64)
 ACCESS(Boolean, fmi3Boolean)
