@@ -93,7 +93,7 @@ equation
     i_real = if not due then pre(i_real) elseif tick < (T_blank - same)/T_compute then 0 else i_filtered;
     // ... and the threshold from the sliding minimum over the last n_window samples of T_sample.
     window = if due then cat(1, {i_real}, pre(window[1:N_window - 1])) else pre(window);
-    i_limit = i_gain*max(min(window + beyond), i_no_load);
+    i_limit = if due then i_gain*max(min(window + beyond), i_no_load) else pre(i_limit);
 
     // Period: half the time between two falling edges of park; what no motor can reach is replaced.
     closes = park and not pre(closed);

@@ -13,7 +13,7 @@ from cosim.dae.evaluate import Evaluator, Mode, Symbols, declare_held, element_n
 from cosim.dae.hybrid import SX, Assignment, Reinit
 from cosim.errors import ModelError
 from cosim.modelica import flat as fm
-from cosim.modelica.expressions import Array, Binary, Call, Expression, Reference, render, render_equation
+from cosim.modelica.expressions import Array, Binary, Call, Expression, If, Reference, render, render_equation
 
 
 def lower_discrete(symbols: Symbols) -> tuple[list[Assignment], set[fm.Equation]]:
@@ -48,6 +48,8 @@ class _When:
         self._system = symbols.system
         self._when = when
         self._extra: list[Assignment] = []
+        self._conditions: dict[str, SX] = {}
+        """For targets of ``x = if condition then ... else pre(x)``, the condition."""
 
     def lower(self) -> list[Assignment]:
         actives: list[SX] = []
@@ -74,6 +76,8 @@ class _When:
                     chosen = branch[target]
                     value = chosen if len(actives) == 1 else ca.if_else(active, chosen, value)
                     guard = active if len(actives) == 1 else ca.logic_or(active, guard)
+            if target in self._conditions:
+                guard = ca.logic_and(guard, self._conditions[target])
             names = tuple(element_names(target, variable.dimensions))
             value = ca.vec(value)
             if value.numel() == 1 and len(names) > 1:
@@ -108,10 +112,13 @@ class _When:
         for action in actions:
             if isinstance(action, fm.Assign):
                 self._once(values, action.target, action.at)
-                values[action.target] = evaluate(action.value)
+                condition, value = self._lasting(action)
+                if condition is not None:
+                    self._conditions[action.target] = evaluate(condition)
+                values[action.target] = evaluate(value)
             elif isinstance(action, fm.Conditional):
-                branches = [self._equations(body) for _, body in action.branches]
-                otherwise = self._equations(action.otherwise)
+                branches = [self._unconditionally(body) for _, body in action.branches]
+                otherwise = self._unconditionally(action.otherwise)
                 conditions = [evaluate(condition) for condition, _ in action.branches]
                 for target in dict.fromkeys(t for branch in (*branches, otherwise) for t in branch):
                     self._once(values, target, action.at)
@@ -120,6 +127,24 @@ class _When:
                         value = ca.if_else(condition, branch.get(target, self._symbols.pre[target]), value)
                     values[target] = value
         return values
+
+    def _unconditionally(self, actions: tuple[fm.Action, ...]) -> dict[str, SX]:
+        """The values inside an if, where the condition of the if is what keeps the others."""
+        inner = _When(self._symbols, self._when)
+        values = inner._equations(actions)
+        for target, condition in inner._conditions.items():
+            values[target] = ca.if_else(condition, values[target], self._symbols.pre[target])
+        return values
+
+    def _lasting(self, action: fm.Assign) -> tuple[Expression | None, Expression]:
+        """Take ``if c then a else pre(x)``, assigned to x, apart, so that a is computed only where c holds."""
+        match action.value:
+            case If(
+                branches=((condition, value),),
+                otherwise=Call(function="pre", arguments=(Reference(name=name, subscripts=()),)),
+            ) if name == action.target and len(self._when.branches) == 1:
+                return condition, value
+        return None, action.value
 
     def _once(self, values: dict[str, SX], target: str, at: int) -> None:
         variable = self._symbols.flat.variables.get(target)

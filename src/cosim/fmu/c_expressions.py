@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-_BINARY = {
+BINARY = {
     ca.OP_ADD: "{} + {}", ca.OP_SUB: "{} - {}", ca.OP_MUL: "{} * {}", ca.OP_DIV: "{} / {}",
     ca.OP_POW: "pow({}, {})", ca.OP_CONSTPOW: "pow({}, {})", ca.OP_FMOD: "fmod({}, {})",
     ca.OP_FMIN: "fmin({}, {})", ca.OP_FMAX: "fmax({}, {})", ca.OP_ATAN2: "atan2({}, {})",
@@ -16,7 +16,7 @@ _BINARY = {
     ca.OP_LT: "{} < {}", ca.OP_LE: "{} <= {}", ca.OP_EQ: "{} == {}", ca.OP_NE: "{} != {}",
     ca.OP_AND: "{} != 0 && {} != 0", ca.OP_OR: "{} != 0 || {} != 0", ca.OP_IF_ELSE_ZERO: "{} != 0 ? {} : 0",
 }  # fmt: skip
-_UNARY = {
+UNARY = {
     ca.OP_NEG: "-{}", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "2 * {}", ca.OP_INV: "1 / {}", ca.OP_NOT: "{} == 0",
     ca.OP_SQRT: "sqrt({})", ca.OP_EXP: "exp({})", ca.OP_LOG: "log({})", ca.OP_SIN: "sin({})", ca.OP_COS: "cos({})",
     ca.OP_TAN: "tan({})", ca.OP_ASIN: "asin({})", ca.OP_ACOS: "acos({})", ca.OP_ATAN: "atan({})",
@@ -25,6 +25,8 @@ _UNARY = {
     ca.OP_LOG1P: "log1p({})", ca.OP_EXPM1: "expm1({})", ca.OP_ASINH: "asinh({})", ca.OP_ACOSH: "acosh({})",
     ca.OP_ATANH: "atanh({})", ca.OP_ASSIGN: "{}",
 }  # fmt: skip
+SCALARS = frozenset({"t", "initial"})
+"""Arguments of the generated functions that are not arrays."""
 _RESERVED = frozenset(
     """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
@@ -81,7 +83,7 @@ def print_function(
     register: dict[int, str] = {}
     inputs: dict[tuple[int, int], str] = {}
     for argument, entries in sorted(used.items()):
-        scalar = arguments[argument] in ("t", "initial")
+        scalar = arguments[argument] in SCALARS
         for entry in sorted(entries):
             place = arguments[argument] if scalar else f"{arguments[argument]}[{entry}]"
             if scalar or len(entries) > most_named:
@@ -100,7 +102,7 @@ def print_function(
         elif operation == ca.OP_OUTPUT:
             lines.append(f"{results[writes[0]]}[{writes[1]}] = {register[reads[0]]};")
         else:
-            pattern = _BINARY.get(operation) or _UNARY.get(operation)
+            pattern = BINARY.get(operation) or UNARY.get(operation)
             if pattern is None:
                 raise NotImplementedError(f"CasADi operation {operation} has no C text")
             operands = [register[r] for r in reads]

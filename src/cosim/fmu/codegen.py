@@ -5,14 +5,16 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import casadi as ca
 
 from cosim.dae import Dae
 from cosim.dae.hybrid import SX, Assignment
 from cosim.dae.symbolic import substitute
-from cosim.fmu.c_expressions import number, print_function
+from cosim.fmu.c_expressions import SCALARS, number, print_function
 from cosim.fmu.layout import Layout
+from cosim.fmu.loops import Run, c_expression, find_runs, shared
 
 _CONTINUOUS = ("t", "v", "u", "p", "d", "c")
 _DISCRETE = (*_CONTINUOUS, "pre", "fired", "initial", "d_new")
@@ -135,18 +137,18 @@ class _Generator:
         values: dict[str, SX] = {}
         for _, parameter in dependent:
             values[parameter.scalar.name] = substitute(parameter.value, values)
-        expression = _column([values[p.scalar.name] for _, p in dependent])
-        body = self._body(["p"], [("dependent", expression)])
-        size = max(1, len(dependent))
-        body = [f"double dependent[{size}];", *body] if dependent else ["(void)p;"]
-        body += [f"p[{k}] = dependent[{i}]; /* {p.scalar.name} */" for i, (k, p) in enumerate(dependent)]
+        expressions = [values[p.scalar.name] for _, p in dependent]
+        # every value is in terms of independent parameters, so the order does not matter
+        body = ["(void)p;", *self._elements(["p"], "p", expressions, [k for k, _ in dependent])]
         return _function("void model_parameters(double *p)", body)
 
     def _start(self) -> list[str]:
         dae = self._dae
-        v = _column([u.start for u in dae.unknowns])
-        d = _column([SX(0.0) if s.start is None else s.start for s in dae.discretes])
-        body = ["(void)p, (void)v, (void)d;", *self._body(["p"], [("v", v), ("d", d)])]
+        v = [u.start for u in dae.unknowns]
+        d = [SX(0.0) if s.start is None else s.start for s in dae.discretes]
+        body = ["(void)p, (void)v, (void)d;"]
+        for name, values in (("v", v), ("d", d)):
+            body += _scope(self._elements(["p"], name, values, list(range(len(values)))))
         return _function("void model_start(const double *p, double *v, double *d)", body)
 
     def _clocks(self) -> list[str]:
@@ -207,21 +209,56 @@ class _Generator:
             for target, value in zip(assignment.targets, results, strict=True):
                 values[f"new({target})"] = value
                 targets.append(target)
-        expression = _column([values[f"new({target})"] for target in targets])
-        body = self._body(_DISCRETE, [("d_new", expression)])
-        places = [index[target] for target in targets]
-        # print_function numbers results in order; put each where its variable lives
-        body = [_moved(line, places) for line in body]
+        expressions = [values[f"new({target})"] for target in targets]
+        body = self._elements(_DISCRETE, "d_new", expressions, [index[target] for target in targets])
         texts = "; ".join(dict.fromkeys(a.text for a in group))
         comment = [f"/* {_comment(texts)} */"]
         if group[0].guard is None:
-            return [*comment, "{", *(f"    {line}" for line in body), "}"]
+            return [*comment, *_scope(body)]
         return [*comment, *self._guarded(group[0].guard, body)]
 
     def _guarded(self, guard: SX, body: list[str]) -> list[str]:
         condition = self._body(_DISCRETE, [("active", guard)])
         return ["{", "    double active[1];", *(f"    {line}" for line in condition), "    if (active[0] != 0) {",
                 *(f"        {line}" for line in body), "    }", "}"]  # fmt: skip
+
+    def _elements(
+        self, arguments: Sequence[str], array: str, values: Sequence[SX], positions: Sequence[int]
+    ) -> list[str]:
+        """Assign ``array[positions[i]] = values[i]``, with loops where many elements are computed alike."""
+        if not values:
+            return []
+        elements = ca.vertsplit(ca.cse(_column(values)))
+        runs = self._runs(arguments, elements, positions)
+        looped = {i for run in runs for i in range(run.start, run.start + run.count)}
+        plain = [i for i in range(len(elements)) if i not in looped]
+        before: dict[int, SX] = {e.element_hash(): e for run in runs for e in shared(run.pattern)}
+        results = [(array, _column([elements[i] for i in plain])), ("shared", _column(list(before.values())))]
+        lines = [f"double shared[{len(before)}];"] if before else []
+        lines += [_moved(line, array, [positions[i] for i in plain]) for line in self._body(arguments, results)]
+        names = {key: f"shared[{i}]" for i, key in enumerate(before)}
+        for run in runs:
+            first = positions[run.start]
+            target = f"{array}[{first} + k]" if first else f"{array}[k]"
+            lines.append(f"for (int k = 0; k < {run.count}; k++) {target} = {c_expression(run.pattern, names)};")
+        return lines
+
+    def _runs(self, arguments: Sequence[str], elements: Sequence[SX], positions: Sequence[int]) -> list[Run]:
+        """The runs among elements whose positions are consecutive too."""
+        places = {
+            symbol.name(): (name, i)
+            for name in arguments
+            if name not in SCALARS
+            for i, symbol in enumerate(ca.vertsplit(self._arguments[name]))
+        }
+        found: list[Run] = []
+        start = 0
+        for end in range(1, len(elements) + 1):
+            if end == len(elements) or positions[end] != positions[end - 1] + 1:
+                runs = find_runs(elements[start:end], places)
+                found += [replace(run, start=run.start + start) for run in runs]
+                start = end
+        return found
 
     def _body(self, arguments: Sequence[str], results: Sequence[tuple[str, SX]]) -> list[str]:
         outputs = [ca.densify(ca.vec(expression)) for _, expression in results]
@@ -235,12 +272,12 @@ class _Generator:
 
 def _all_clocked(dae: Dae) -> bool:
     """Whether a discrete model stands still but for the ticks of its clocks."""
-    fired = {clock.fired.name() for clock in dae.clocks}
+    still = {clock.fired.name(): SX(0.0) for clock in dae.clocks}
     guards = (assignment.guard for assignment in dae.assignments)
     return (
         not dae.unknowns
         and not dae.relations
-        and all(guard is not None and guard.is_symbolic() and guard.name() in fired for guard in guards)
+        and all(guard is not None and substitute(guard, still).is_zero() for guard in guards)
     )
 
 
@@ -259,11 +296,16 @@ def _groups(assignments: Sequence[Assignment]) -> list[list[Assignment]]:
     return groups
 
 
-def _moved(line: str, places: list[int]) -> str:
-    if not line.startswith("d_new["):
+def _moved(line: str, array: str, positions: Sequence[int]) -> str:
+    """Results are numbered in order; put each where its variable lives."""
+    if not line.startswith(f"{array}["):
         return line
-    position, rest = line[len("d_new[") :].split("]", 1)
-    return f"d_new[{places[int(position)]}]{rest}"
+    number_text, rest = line[len(array) + 1 :].split("]", 1)
+    return f"{array}[{positions[int(number_text)]}]{rest}"
+
+
+def _scope(body: Sequence[str]) -> list[str]:
+    return ["{", *(f"    {line}" for line in body), "}"] if body else []
 
 
 def _cumulative(sizes: Iterable[int]) -> list[int]:

@@ -151,7 +151,7 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
             if (s->d[i] != d_new[i]) changes++;
             s->d[i] = d_new[i];
         }
-        if (!changes || MODEL_ALL_CLOCKED) {
+        if (!changes) {
             s->terminate |= terminate != 0;
             return 1;
         }
@@ -161,6 +161,21 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
     simulation_changing_relations(m, text, sizeof text);
     return simulation_fail(m, "At t = %.9g s the event iteration finds no consistent state: %s%s keep changing.", s->t,
                            text[0] ? "the relations " : "the discrete variables", text);
+}
+
+/* Of a model that changes with its clocks only, one pass over the discrete equations is the whole event. */
+static int tick(Simulation *m, const double *fired)
+{
+    State *s = &m->s;
+    double pre[MODEL_ROOM(MODEL_ND)], unused[MODEL_ROOM(MODEL_NX)];
+    memcpy(pre, s->d, sizeof pre);
+    s->terminate |= model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, 0, s->d, unused) != 0;
+    int wrong = 0;
+    for (int i = 0; i < MODEL_ND; i++) wrong |= isnan(s->d[i]) != 0;
+    for (int i = 0; wrong && i < MODEL_ND; i++)
+        if (isnan(s->d[i]))
+            return simulation_fail(m, "At t = %.9g s the discrete variable %d is not a number.", s->t, i + 1);
+    return 1;
 }
 
 /* Events until nothing follows from the last one; fired is used up. */
@@ -183,7 +198,7 @@ static int iterate(Simulation *m, double *fired, int *discontinuous, int *reinit
         for (int i = 0; i < MODEL_ND; i++)
             if (pre[i] != s->d[i]) again = *discontinuous = 1;
         for (int k = 0; k < MODEL_NS; k++) fired[k] = 0.0;
-        if (!again || MODEL_ALL_CLOCKED) return 1;
+        if (!again) return 1;
     }
     char text[512];
     simulation_changing_relations(m, text, sizeof text);
@@ -237,10 +252,15 @@ int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
 {
     State *s = &m->s;
     double fired[MODEL_ROOM(MODEL_NS)] = {0};
-    int discontinuous = 0, reinit = 0;
+    int discontinuous = 0, reinit = 0, ticks = 0;
     s->ahead.active = 0; /* what lies ahead was computed without this event */
-    if (with_ticks && take_ticks(s, fired)) s->counters[COUNTER_TIME_EVENTS]++;
+    if (with_ticks) ticks = take_ticks(s, fired);
+    if (ticks) s->counters[COUNTER_TIME_EVENTS]++;
     m->have = 0;
+    if (MODEL_ALL_CLOCKED) {
+        s->event_due = 0;
+        return (!ticks || tick(m, fired)) && simulation_check_assertions(m);
+    }
     if (!iterate(m, fired, &discontinuous, &reinit)) return 0;
     s->event_due = 0;
     restart(m, reinit);
