@@ -119,7 +119,7 @@ class _Elimination:
         return True
 
     def _is_derivative_of(self, derivative: str, name: str) -> bool:
-        """Whether ``derivative`` belongs to the chain that starts at ``name``'s class, perhaps by way of other classes."""
+        """Whether ``derivative`` is in the chain from ``name``'s class on, perhaps by way of other classes."""
         inner = derivative
         while inner != name and inner.startswith("der("):
             inner = self._find(inner[4:-1])[0]

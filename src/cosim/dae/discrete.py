@@ -112,10 +112,10 @@ class _When:
         for action in actions:
             if isinstance(action, fm.Assign):
                 self._once(values, action.target, action.at)
-                condition, value = self._lasting(action)
-                if condition is not None:
-                    self._conditions[action.target] = evaluate(condition)
-                values[action.target] = evaluate(value)
+                keeping, chosen = self._lasting(action)
+                if keeping is not None:
+                    self._conditions[action.target] = evaluate(keeping)
+                values[action.target] = evaluate(chosen)
             elif isinstance(action, fm.Conditional):
                 branches = [self._unconditionally(body) for _, body in action.branches]
                 otherwise = self._unconditionally(action.otherwise)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-
 from cosim.dae.hybrid import SX
 from cosim.fmu.c_expressions import BINARY, UNARY, number
 
