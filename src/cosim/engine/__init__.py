@@ -1,6 +1,7 @@
 """Co-simulation of FMUs: sampled components act at their own instants, without delay; the others run in between."""
 
 from cosim.engine._arguments import Algorithm
+from cosim.engine._explain import explain_timing
 from cosim.engine._fmu import Fmu
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._role import Role, role_of
@@ -21,6 +22,7 @@ __all__ = [
     "System",
     "Value",
     "Variable",
+    "explain_timing",
     "role_of",
     "simulate",
 ]

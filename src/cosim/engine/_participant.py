@@ -48,6 +48,7 @@ class InputGroup(NamedTuple):
     start: int
     buffer: Buffer
     wires: tuple[Wire, ...]
+    names: tuple[str, ...]
 
 
 class OutputGroup(NamedTuple):
@@ -97,7 +98,7 @@ class Participant:
     def write(self, force: bool = False) -> None:
         """Set the inputs that changed, or all driven ones."""
         values, inputs = self.values, self.inputs
-        for _, access, start, buffer, wires in self.input_groups:
+        for _, access, start, buffer, wires, _ in self.input_groups:
             changed = force
             for target, source, factor, offset in wires:
                 value = values[source] * factor + offset

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from array import array
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,8 +50,14 @@ def roles_of(system: System) -> dict[str, Role]:
     return {component.name: role_of(component.fmu) for component in system.components}
 
 
-def make_plan(system: System, roles: dict[str, Role], instances: dict[str, Instance], output_interval: float) -> Plan:
-    """Lay out the signals of a checked system and bind the calls of its instances."""
+def make_plan(
+    system: System,
+    roles: dict[str, Role],
+    instances: dict[str, Instance],
+    output_interval: float,
+    kind: Callable[..., Participant] = Participant,
+) -> Plan:
+    """Lay out the signals of a checked system and bind the calls of its instances; ``kind`` makes the participants."""
     signals, columns, recorded, total = _lay_out(system)
     values = array("d", bytes(8 * total))
     inputs = array("d", bytes(8 * (len(system.connections) + len(system.channels))))
@@ -63,7 +70,7 @@ def make_plan(system: System, roles: dict[str, Role], instances: dict[str, Insta
         instance = instances[component.name]
         groups = _input_groups(component, instance, wires, inputs, free)
         free += sum(len(group.wires) for group in groups)
-        participants[component.name] = Participant(
+        participants[component.name] = kind(
             instance,
             roles[component.name],
             period_of(component, output_interval) if roles[component.name] is Role.SAMPLED else math.inf,
@@ -184,7 +191,7 @@ def _input_groups(
         buffer, address = _memory(instance, fmi_type, inputs, free, len(names))
         references = [component.fmu.variables[name].value_reference for name in names]
         access = instance.access("Set", fmi_type, references, address)
-        groups.append(InputGroup(fmi_type, access, free, buffer, wires))
+        groups.append(InputGroup(fmi_type, access, free, buffer, wires, tuple(names)))
         free += len(names)
     return tuple(groups)
 

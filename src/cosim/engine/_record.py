@@ -9,6 +9,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.engine._instance import CallError
 from cosim.engine._system import SAME_INSTANT
 
 
@@ -51,3 +52,13 @@ def output_grid(stop: float, interval: float) -> NDArray[np.float64]:
     grid: NDArray[np.float64] = ticks / per_second if whole else ticks * interval
     grid[-1] = stop
     return grid
+
+
+def failure_message(failure: CallError, record: Record) -> str:
+    """Return what the user reads of a failure: when, which component, what, and what to try."""
+    instance = failure.instance
+    where = f"at t = {record.now:.9g} s" if record.exchanges or record.now else "during initialisation"
+    return (
+        f"the simulation failed {where}: {instance.name} ({instance.fmu.name}): {failure.what}; {instance.log}; "
+        f"{failure.remedy}"
+    )

@@ -17,7 +17,7 @@ from cosim.engine._loop import run, run_jacobi
 from cosim.engine._native import run_native
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Plan, make_plan, roles_of
-from cosim.engine._record import Record, output_grid
+from cosim.engine._record import Record, failure_message, output_grid
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._role import Role
 from cosim.engine._system import System
@@ -81,7 +81,7 @@ def simulate(
             else:
                 run(plan, record, progress)
         except CallError as failure:
-            message = _message(failure, record)
+            message = failure_message(failure, record)
             raise PartialResultError(message, _result(plan, record, started, message, failure.instance)) from failure
         except KeyboardInterrupt as interruption:
             message = f"the simulation was interrupted at t = {record.now:.9g} s"
@@ -90,15 +90,6 @@ def simulate(
     finally:
         for instance in instances.values():
             instance.free()
-
-
-def _message(failure: CallError, record: Record) -> str:
-    instance = failure.instance
-    where = f"at t = {record.now:.9g} s" if record.exchanges or record.now else "during initialisation"
-    return (
-        f"the simulation failed {where}: {instance.name} ({instance.fmu.name}): {failure.what}; {instance.log}; "
-        f"{failure.remedy}"
-    )
 
 
 def _result(

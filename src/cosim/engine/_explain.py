@@ -1,0 +1,172 @@
+"""Tells when the components of a system are computed, what travels on its connections, and how late it arrives."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack, suppress
+from functools import partial
+from itertools import pairwise
+
+from cosim.engine._arguments import Algorithm, check_arguments, check_step
+from cosim.engine._initialize import initialize
+from cosim.engine._instance import CallError, instantiate
+from cosim.engine._loop import run, run_jacobi
+from cosim.engine._parameters import parameters_of
+from cosim.engine._plan import Plan, make_plan, roles_of
+from cosim.engine._record import Record, failure_message, output_grid
+from cosim.engine._role import Role
+from cosim.engine._system import SAME_INSTANT, System, dotted
+from cosim.engine._trace import Component, Enough, Trace, TracedParticipant, Travel
+from cosim.errors import SimulationError
+
+_WANTED = 12
+_SHOWN = 4
+
+
+def explain_timing(
+    system: System,
+    *,
+    stop: float,
+    output_interval: float,
+    tolerance: float = 1e-6,
+    algorithm: Algorithm = "gauss-seidel",
+    step: float | None = None,
+) -> str:
+    """Return a text on when things happen in this system; the arguments are those of ``simulate``.
+
+    For each component it gives the instants at which it is computed (period and phase, or a list), for each connection
+    the first values that travel on it and the delay: the time from the instant for which the source has put a value
+    out to that from which it acts at the target. It is found by running the loop over its tables, for about a dozen
+    instants of each discrete component. Raises as ``simulate`` does, SimulationError without a partial result.
+    """
+    check_arguments(stop, output_interval, tolerance)
+    check_step(algorithm, step, stop, output_interval)
+    system.check()
+    trace = Trace(_WANTED)
+    plan = _traced(system, trace, stop, output_interval, tolerance, step)
+    lines = [_heading(trace, output_interval, step), "", "Components, in the order in which an instant computes them:"]
+    order = [*plan.continuous, *plan.discrete]
+    width = max(len(participant.instance.name) for participant in order)
+    for participant in order:
+        name = participant.instance.name
+        lines.append(f"  {name:{width}}  {_component(trace.components[name], trace.roles[name], step)}")
+    for title, ends in (("Connections", _connections(system)), ("Channels", _channels(system))):
+        if ends:
+            lines += ["", f"{title}:"]
+        for target, text in ends.items():
+            lines += [f"  {text}", *_travels(trace.travels.get(_input(plan, target), []), text.startswith("channel"))]
+    return "\n".join(lines) + "\n"
+
+
+def _traced(
+    system: System, trace: Trace, stop: float, output_interval: float, tolerance: float, step: float | None
+) -> Plan:
+    """Run the loop until the trace has seen enough; return the plan that it ran over."""
+    parameters = {component.name: parameters_of(component) for component in system.components}
+    trace.roles = roles_of(system)
+    trace.components = {name: Component() for name in trace.roles}
+    roles = trace.roles if step is None else dict.fromkeys(trace.roles, Role.CONTINUOUS)
+    with ExitStack() as stack:
+        instances = {}
+        for component in system.components:
+            instance = instantiate(component.name, component.fmu, roles[component.name] is Role.EVENT)
+            stack.callback(instance.free)
+            instances[component.name] = instance
+        plan = make_plan(system, roles, instances, output_interval, partial(TracedParticipant, trace=trace))
+        record = Record.empty(output_grid(stop, output_interval), plan.recorded, "python")
+        trace.begin(plan, {channel.target: channel.times for channel in system.channels})
+        try:
+            for name, instance in instances.items():
+                for parameter, value in parameters[name].items():
+                    instance.set_value(parameter, value)
+            initialize(plan, tolerance, stop)
+            with suppress(Enough):
+                if step is not None:
+                    run_jacobi(plan, record, step, None)
+                else:
+                    run(plan, record, None)
+        except CallError as failure:
+            raise SimulationError(failure_message(failure, record)) from failure
+    return plan
+
+
+def _heading(trace: Trace, output_interval: float, step: float | None) -> str:
+    how = (
+        "Gauss-Seidel: each component at its own instants, in the order of direct feedthrough"
+        if step is None
+        else f"Jacobi: all components in macro steps of {step:g} s, with what all have put out at their beginning"
+    )
+    return f"{how}. Rows every {output_interval:g} s. Observed from 0 s to {trace.until:.9g} s."
+
+
+def _component(seen: Component, role: Role, step: float | None) -> str:
+    if role is Role.CONTINUOUS or step is not None:
+        shortest, longest = min(seen.steps, default=0.0), max(seen.steps, default=0.0)
+        alike = longest - shortest <= SAME_INSTANT
+        lengths = f"of {longest:.9g} s" if alike else f"of {shortest:.9g} s to {longest:.9g} s"
+        if step is not None:
+            return f"{role.value}: macro steps {lengths}"
+        return f"continuous: steps {lengths}, each to the next instant or row"
+    what = "samples" if role is Role.SAMPLED else "events of its own"
+    text = f"{role.value}: {what} {_instants(seen.own)}"
+    return f"{text}; events that its inputs cause {_instants(seen.caused)}" if seen.caused else text
+
+
+def _instants(times: list[float]) -> str:
+    """Return period and phase of these instants [s] if they have one, else the first of them."""
+    if not times:
+        return "never"
+    periods = [b - a for a, b in pairwise(times)]
+    if len(periods) > 1 and max(periods) - min(periods) <= SAME_INSTANT:
+        return f"every {periods[0]:.9g} s, the first at {times[0]:.9g} s"
+    shown = ", ".join(f"{t:.9g} s" for t in times[:_SHOWN])
+    return f"at {shown}{', ...' if len(times) > _SHOWN else ''}"
+
+
+def _connections(system: System) -> dict[tuple[str, str], str]:
+    texts = {}
+    for connection in system.connections:
+        text = f"{dotted(connection.source)} -> {dotted(connection.target)}"
+        if connection.factor != 1.0 or connection.offset != 0.0:
+            text += f" = {connection.factor:g} * source + {connection.offset:g}"
+        texts[connection.target] = text
+    return texts
+
+
+def _channels(system: System) -> dict[tuple[str, str], str]:
+    held = "held between entries"
+    interpolated = "interpolated (over a step with the value in its middle) between entries"
+    return {
+        channel.target: f"channel {dotted(channel.target)}, {interpolated if channel.linear else held} "
+        f"{_instants(channel.times)}"
+        for channel in system.channels
+    }
+
+
+def _input(plan: Plan, target: tuple[str, str]) -> int:
+    """Return the number of an input in the tables."""
+    name, variable = target
+    for participant in [*plan.continuous, *plan.discrete]:
+        for group in participant.input_groups:
+            for wire, wired in zip(group.wires, group.names, strict=True):
+                if (participant.instance.name, wired) == (name, variable):
+                    return wire.target
+    raise KeyError(target)
+
+
+def _travels(travels: list[Travel], from_channel: bool) -> list[str]:
+    """Return the lines on one connection: its delay, and the first values with their instants."""
+    if not travels:
+        return ["    nothing travelled while it was observed"]
+    delays = [travel.acts - travel.born for travel in travels if not travel.initial] or [0.0]
+    lines = [f"    delay {_delay(delays)}; {len(travels)} values"]
+    if min(delays) < -SAME_INSTANT:
+        lines[0] += "; a value from the end of a step acts from its beginning on (direct feedthrough)"
+    for travel in travels[:_SHOWN]:
+        source = "entered" if from_channel else "put out by initialisation" if travel.initial else "put out"
+        lines.append(f"    {travel.value:.9g}: {source} at {travel.born:.9g} s, acts from {travel.acts:.9g} s on")
+    return lines
+
+
+def _delay(delays: list[float]) -> str:
+    low, high = (0.0 if abs(delay) <= SAME_INSTANT else delay for delay in (min(delays), max(delays)))
+    return f"{high:.9g} s" if high - low <= SAME_INSTANT else f"{low:.9g} s to {high:.9g} s"
