@@ -180,13 +180,13 @@ def test_channels_that_are_no_table(fmu: Get) -> None:
             "faulty",
             {"fault": "melt"},
             "c.fault: 'melt' does not fit; it takes one of none, not_a_number, error, discard, terminate, "
-            "silent_error, fatal, early",
+            "silent_error, fatal, early, talkative",
         ),
         (
             "faulty",
             {"fault": 1.5},
             "c.fault: 1.5 does not fit; it takes one of none, not_a_number, error, discard, "
-            "terminate, silent_error, fatal, early",
+            "terminate, silent_error, fatal, early, talkative",
         ),
     ],
 )

@@ -123,9 +123,9 @@ def test_the_c_compiles_without_warnings(tmp_path: Path) -> None:
     assert done.returncode == 0
 
 
-@pytest.mark.parametrize("loop", ["native", "python"])
-def test_control_c_ends_a_run_within_a_second(fmu: Get, monkeypatch: pytest.MonkeyPatch, loop: str) -> None:
-    monkeypatch.setenv("COSIM_ENGINE", loop)
+@pytest.fixture
+def control_c() -> Iterator[list[float]]:
+    """Press Ctrl-C after 0.3 s; when that was is put into the list."""
     sent: list[float] = []
     ended = threading.Event()
 
@@ -134,16 +134,21 @@ def test_control_c_ends_a_run_within_a_second(fmu: Get, monkeypatch: pytest.Monk
             sent.append(time.perf_counter())
             os.kill(os.getpid(), signal.SIGINT)
 
-    system = feedback(fmu, T_compute=0.001)
     thread = threading.Thread(target=interrupt)
     thread.start()
-    try:
-        with pytest.raises(SimulationInterrupted) as caught:
-            simulate(system, stop=1e5, output_interval=0.5, tolerance=1e-6)
-    finally:
-        ended.set()
-    assert time.perf_counter() - sent[0] < 1.0
+    yield sent
+    ended.set()
     thread.join()
+
+
+@pytest.mark.parametrize("loop", ["native", "python"])
+def test_control_c_ends_a_run_within_a_second(
+    fmu: Get, monkeypatch: pytest.MonkeyPatch, control_c: list[float], loop: str
+) -> None:
+    monkeypatch.setenv("COSIM_ENGINE", loop)
+    with pytest.raises(SimulationInterrupted) as caught:
+        simulate(feedback(fmu, T_compute=0.001), stop=1e5, output_interval=0.5, tolerance=1e-6)
+    assert time.perf_counter() - control_c[0] < 1.0
     result = caught.value.result
     rows = len(result.time)
     assert rows > 2
@@ -152,6 +157,14 @@ def test_control_c_ends_a_run_within_a_second(fmu: Get, monkeypatch: pytest.Monk
     assert result.time.tolist() == [0.5 * k for k in range(rows)]
     np.testing.assert_allclose(result.columns["plant.x"], 0.999 ** (500.0 * np.arange(rows)), rtol=1e-9, atol=1e-300)
     assert result.columns["c.count"].tolist() == [500 * k + 1 for k in range(rows)]
+
+
+def test_control_c_is_not_lost_in_an_fmu_that_talks_all_the_time(fmu: Get, control_c: list[float]) -> None:
+    system = System([Component("f", fmu("faulty"), {"fault": "talkative", "t_fault": 1e9})])
+    with pytest.raises(SimulationInterrupted):
+        simulate(system, stop=2e3, output_interval=1e-3, tolerance=1e-6)
+    assert time.perf_counter() - control_c[0] < 1.0
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_runs_in_threads_do_not_disturb_each_other(fmu: Get) -> None:

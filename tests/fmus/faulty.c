@@ -5,7 +5,7 @@
 #include "shell.h"
 
 enum { FAULT = 1, T_FAULT, Y };
-enum { NONE = 1, NOT_A_NUMBER, RETURN_ERROR, RETURN_DISCARD, TERMINATE, SILENT_ERROR, FATAL, EARLY };
+enum { NONE = 1, NOT_A_NUMBER, RETURN_ERROR, RETURN_DISCARD, TERMINATE, SILENT_ERROR, FATAL, EARLY, TALKATIVE };
 
 static void start(Model *m) { m->v[FAULT] = NONE; }
 
@@ -15,6 +15,7 @@ static void outputs(Model *m) {}
 
 static int step(Model *m, double h) {
     m->v[Y] = m->time + h;
+    if (m->v[FAULT] == TALKATIVE) say(m, "all is well");
     if (m->v[Y] < m->v[T_FAULT] - 1e-9) return OK;
     switch ((int)m->v[FAULT]) {
         case NOT_A_NUMBER: m->v[Y] = NAN; return OK;

@@ -82,7 +82,7 @@ FAULTY = Model(
         Described("t_fault", 2, "parameter", "fixed", start="0", unit="s"),
         Described("y", 3, "output", unit="s"),
     ),
-    literals=("none", "not_a_number", "error", "discard", "terminate", "silent_error", "fatal", "early"),
+    literals=("none", "not_a_number", "error", "discard", "terminate", "silent_error", "fatal", "early", "talkative"),
 )
 MIRROR = Model(
     "mirror",

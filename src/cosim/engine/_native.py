@@ -7,6 +7,7 @@ from collections.abc import Callable
 from ctypes import byref
 
 from cosim.engine._instance import CallError
+from cosim.engine._interrupt import DeferredInterrupt
 from cosim.engine._loop import PROGRESS_INTERVAL, check_numbers, endless
 from cosim.engine._participant import InputGroup
 from cosim.engine._plan import Plan
@@ -39,11 +40,13 @@ def run_native(
     limit = 0.0 if progress is not None else _PIECE
     outcome = _UNFINISHED
     try:
-        while outcome == _UNFINISHED:
-            outcome = library.cosim_run(byref(engine), limit)
-            if progress is not None and outcome == _UNFINISHED:
-                progress(engine.now)
-                limit = PROGRESS_INTERVAL
+        with DeferredInterrupt() as interrupt:
+            while outcome == _UNFINISHED:
+                outcome = library.cosim_run(byref(engine), limit)
+                interrupt.check()
+                if progress is not None and outcome == _UNFINISHED:
+                    progress(engine.now)
+                    limit = PROGRESS_INTERVAL
     finally:
         tables.take_back()
     if outcome != _FINISHED:
