@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 import fmpy
-from fmpy import platform_tuple, sharedLibraryExtension
+from fmpy import platform, platform_tuple, sharedLibraryExtension
 from fmpy.fmi3 import fmi3LogMessageCallback
 
 HERE = Path(__file__).parent
@@ -52,21 +52,28 @@ def write_sizes(model: Path, folder: Path) -> None:
     (folder / "model_sizes.h").write_text("\n".join(lines) + "\n")
 
 
-def library_of(name: str, folder: Path) -> Path:
+def runtime_sources(fmi: int) -> list[Path]:
+    """The runtime with the shell of one FMI version."""
+    other = f"fmi{5 - fmi}"
+    return [path for path in sorted(RUNTIME.glob("*.c")) if not path.name.startswith(other)]
+
+
+def library_of(name: str, folder: Path, fmi: int = 3) -> Path:
     """Where the FMU folder of a sample has its shared library."""
-    return folder / "binaries" / str(platform_tuple) / f"{name}{sharedLibraryExtension}"
+    target = platform_tuple if fmi == 3 else platform
+    return folder / "binaries" / str(target) / f"{name}{sharedLibraryExtension}"
 
 
-def build(name: str, folder: Path, command: list[str], *flags: str) -> Path:
+def build(name: str, folder: Path, command: list[str], *flags: str, fmi: int = 3) -> Path:
     """Compile the sample into folder and return the shared library."""
     model = HERE / "models" / f"{name}.c"
     folder.mkdir(parents=True, exist_ok=True)
     write_sizes(model, folder)
-    library = library_of(name, folder)
+    library = library_of(name, folder, fmi)
     library.parent.mkdir(parents=True, exist_ok=True)
     includes = ["-isystem", HEADERS, "-I", RUNTIME, "-I", folder, "-I", model.parent]
     flags = ("-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-std=c11", *flags)
-    sources = [model, *sorted(RUNTIME.glob("*.c"))]
+    sources = [model, *runtime_sources(fmi)]
     arguments = [*command, *flags, *includes, *sources, "-lm", "-o", library]
     done = subprocess.run([str(part) for part in arguments], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -74,15 +81,15 @@ def build(name: str, folder: Path, command: list[str], *flags: str) -> Path:
 
 
 @cache
-def built(name: str) -> Path:
+def built(name: str, fmi: int = 3) -> Path:
     """The unzipped FMU folder of a sample, compiled once per content of its sources."""
     sources = [HERE / "models" / f"{name}.c", HERE / "models" / "sample.h", *sorted(RUNTIME.glob("*.[ch]"))]
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources) + HEADERS.as_posix().encode()).hexdigest()
-    folder = Path(tempfile.gettempdir()) / "cosim-runtime-tests" / f"{name}-{digest[:16]}"
-    library = library_of(name, folder)
+    folder = Path(tempfile.gettempdir()) / "cosim-runtime-tests" / f"{name}-fmi{fmi}-{digest[:16]}"
+    library = library_of(name, folder, fmi)
     if not library.exists():
         with tempfile.TemporaryDirectory() as scratch:
-            build(name, Path(scratch), compiler(), "-O2")
+            build(name, Path(scratch), compiler(), "-O2", fmi=fmi)
             folder.parent.mkdir(exist_ok=True)
             staging = Path(tempfile.mkdtemp(dir=folder.parent))
             shutil.copytree(scratch, staging, dirs_exist_ok=True)

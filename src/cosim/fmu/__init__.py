@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cosim.fmu.exporter import compile_model as compile_model
     from cosim.fmu.exporter import export as export
+    from cosim.fmu.exporter import export_all as export_all
 
-__all__ = ["compile_model", "export"]
+__all__ = ["compile_model", "export", "export_all"]
 
 
 def __getattr__(name: str) -> object:

@@ -8,6 +8,7 @@ import os
 import re
 import tempfile
 import zipfile
+from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -15,8 +16,9 @@ from cosim import __version__
 from cosim.dae import Dae, compile_dae
 from cosim.fmu.codegen import generate
 from cosim.fmu.description import describe
+from cosim.fmu.description2 import describe2
 from cosim.fmu.layout import lay_out
-from cosim.fmu.toolchain import RUNTIME, compile_library, fmi_headers, host
+from cosim.fmu.toolchain import RUNTIME, FmiVersion, compile_library, fmi_headers, host, runtime_sources
 from cosim.modelica import Source, flatten
 
 BUILD_RECORD = "extra/io.github.wiper-cosim/build.json"
@@ -34,24 +36,38 @@ def compile_model(file: Path, model: str) -> Dae:
     return compile_dae(flatten(Source.read(file), model))
 
 
-def export(file: Path, model: str, out: Path, *, build_hash: str | None = None) -> Path:
-    """Compile one class of a Modelica file or package to ``out/<last part of its name>.fmu`` for this platform.
+def export(file: Path, model: str, out: Path, *, fmi: FmiVersion = "3.0", build_hash: str | None = None) -> Path:
+    """Compile one class of a Modelica file or package to an FMU in the folder ``out``, for this platform.
 
-    The file is written beside its place and moved there, so that it is never seen half done.
+    The FMI 3.0 file is ``<last part of the model's name>.fmu``, the FMI 2.0 one ends in ``.fmi2.fmu``. It is written
+    beside its place and moved there, so that it is never seen half done.
 
     Raises:
         ModelError: the model is wrong or uses something unsupported.
         BuildError: there is no C compiler, or it failed.
     """
-    return pack(compile_model(file, model), out, build_hash=build_hash)
+    return pack(compile_model(file, model), out, fmi=fmi, build_hash=build_hash)
 
 
-def pack(dae: Dae, out: Path, *, build_hash: str | None = None) -> Path:
+def export_all(
+    file: Path, model: str, out: Path, *, fmi: Iterable[FmiVersion], build_hash: str | None = None
+) -> list[Path]:
+    """Compile one class once and write it as an FMU of each of these FMI versions; see :func:`export`."""
+    dae = compile_model(file, model)
+    return [pack(dae, out, fmi=version, build_hash=build_hash) for version in fmi]
+
+
+def file_name(identifier: str, fmi: FmiVersion) -> str:
+    """The name of an FMU's file."""
+    return f"{identifier}.fmu" if fmi == "3.0" else f"{identifier}.fmi2.fmu"
+
+
+def pack(dae: Dae, out: Path, *, fmi: FmiVersion = "3.0", build_hash: str | None = None) -> Path:
     """Write a compiled model as an FMU; see :func:`export`."""
     identifier = re.sub(r"\W", "_", dae.name.rpartition(".")[2])
     layout = lay_out(dae)
     sources = generate(dae, layout, _TOKEN)
-    description = describe(dae, layout, identifier, _TOKEN)
+    description = (describe if fmi == "3.0" else describe2)(dae, layout, identifier, _TOKEN)
     token = _token(sources, description)
     sources = {name: text.replace(_TOKEN, token) for name, text in sources.items()}
     description = description.replace(_TOKEN.encode(), token.encode())
@@ -62,18 +78,17 @@ def pack(dae: Dae, out: Path, *, build_hash: str | None = None) -> Path:
         for name, text in sources.items():
             (folder / name).write_text(text, encoding="utf-8")
         library = folder / f"{identifier}{target.suffix}"
-        runtime = sorted(RUNTIME.glob("*.c"))
-        compile_library([folder / "model.c", *runtime], [folder, RUNTIME, fmi_headers()], library)
+        compile_library([folder / "model.c", *runtime_sources(fmi)], [folder, RUNTIME, fmi_headers()], library, fmi)
         files = {
             "modelDescription.xml": description,
-            f"binaries/{target.fmi3}/{library.name}": library.read_bytes(),
+            f"binaries/{target.folder(fmi)}/{library.name}": library.read_bytes(),
             BUILD_RECORD: _record(dae, build_hash),
             "documentation/licenses/LICENSE.txt": (RUNTIME / "LICENSE").read_bytes(),
         }
         handle, name = tempfile.mkstemp(prefix=f".{identifier}-", suffix=".part", dir=out)
         with os.fdopen(handle, "wb") as stream:
             _zip(stream, files)
-    path = out / f"{identifier}.fmu"
+    path = out / file_name(identifier, fmi)
     Path(name).chmod(0o644)
     Path(name).replace(path)
     return path

@@ -12,8 +12,11 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 from cosim.errors import BuildError
+
+FmiVersion = Literal["2.0", "3.0"]
 
 RUNTIME = Path(__file__).parent / "runtime"
 
@@ -23,19 +26,27 @@ _FLAGS = ("-std=c11", "-O2", "-g0", "-fPIC", "-shared", "-fvisibility=hidden", "
 
 @dataclass(frozen=True)
 class Platform:
-    """A target: its FMI 3 name, zig's name for it, and how its libraries end."""
+    """A target: its FMI 3 name, its FMI 2 name, zig's name for it, and how its libraries end.
+
+    FMI 2.0 names no processors: importers on ARM look where those on Intel look.
+    """
 
     fmi3: str
+    fmi2: str
     zig: str
     suffix: str
 
+    def folder(self, fmi: FmiVersion) -> str:
+        """Its folder under ``binaries/`` of an FMU."""
+        return self.fmi3 if fmi == "3.0" else self.fmi2
+
 
 PLATFORMS = {
-    "x86_64-linux": Platform("x86_64-linux", "x86_64-linux-gnu.2.17", ".so"),
-    "aarch64-linux": Platform("aarch64-linux", "aarch64-linux-gnu.2.17", ".so"),
-    "x86_64-windows": Platform("x86_64-windows", "x86_64-windows-gnu", ".dll"),
-    "x86_64-darwin": Platform("x86_64-darwin", "x86_64-macos.11.0", ".dylib"),
-    "aarch64-darwin": Platform("aarch64-darwin", "aarch64-macos.11.0", ".dylib"),
+    "x86_64-linux": Platform("x86_64-linux", "linux64", "x86_64-linux-gnu.2.17", ".so"),
+    "aarch64-linux": Platform("aarch64-linux", "linux64", "aarch64-linux-gnu.2.17", ".so"),
+    "x86_64-windows": Platform("x86_64-windows", "win64", "x86_64-windows-gnu", ".dll"),
+    "x86_64-darwin": Platform("x86_64-darwin", "darwin64", "x86_64-macos.11.0", ".dylib"),
+    "aarch64-darwin": Platform("aarch64-darwin", "darwin64", "aarch64-macos.11.0", ".dylib"),
 }
 
 
@@ -55,7 +66,7 @@ def host() -> Platform:
 
 
 def fmi_headers() -> Path:
-    """The folder with fmi3Functions.h: the one inside the fmpy package."""
+    """The folder with fmi2Functions.h and fmi3Functions.h: the one inside the fmpy package."""
     found = importlib.util.find_spec("fmpy")
     if found is None or not found.submodule_search_locations:
         raise BuildError("the FMI headers come with fmpy; install it with: pip install fmpy")
@@ -77,7 +88,13 @@ def compiler() -> list[str]:
     raise BuildError("there is no C compiler; install one from PyPI with: pip install 'wiper-cosim[build]'")
 
 
-def compile_library(sources: Sequence[Path], includes: Sequence[Path], output: Path) -> None:
+def runtime_sources(fmi: FmiVersion) -> list[Path]:
+    """The C files of the runtime with the shell of one FMI version; two shells do not fit into one library."""
+    shell = f"fmi{fmi[0]}"
+    return [file for file in sorted(RUNTIME.glob("*.c")) if file.name.startswith(shell) or file.name[:3] != "fmi"]
+
+
+def compile_library(sources: Sequence[Path], includes: Sequence[Path], output: Path, fmi: FmiVersion = "3.0") -> None:
     """Compile and link a shared library for the host.
 
     Raises:
@@ -88,15 +105,21 @@ def compile_library(sources: Sequence[Path], includes: Sequence[Path], output: P
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise BuildError(f"the C compiler failed ({command[0]}):\n{done.stderr.strip()[-3000:]}")
-    missing = [name for name in fmi3_functions() if not _exports(output, name)]
+    missing = [name for name in fmi_functions(fmi) if not _exports(output, name)]
     if missing:
         raise BuildError(f"the compiled library {output.name} does not export {missing[0]}: wrong header macros")
 
 
+def fmi_functions(fmi: FmiVersion) -> list[str]:
+    """Names of all functions of the API of an FMI version."""
+    major = fmi[0]
+    text = (fmi_headers() / f"fmi{major}Functions.h").read_text(encoding="utf-8")
+    return re.findall(rf"^\s*FMI{major}_Export\s+\w+\s+(fmi{major}\w+);", text, re.MULTILINE)
+
+
 def fmi3_functions() -> list[str]:
     """Names of all functions of the FMI 3.0 API."""
-    text = (fmi_headers() / "fmi3Functions.h").read_text(encoding="utf-8")
-    return re.findall(r"^FMI3_Export\s+\w+\s+(fmi3\w+);", text, re.MULTILINE)
+    return fmi_functions("3.0")
 
 
 def _exports(library: Path, name: str) -> bool:

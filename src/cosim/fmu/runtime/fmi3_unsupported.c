@@ -3,6 +3,7 @@
  * FMI 3.0 functions that the FMU does not offer and modelDescription.xml does not announce. They must exist all the
  * same; each says that it is not supported.
  */
+#include "fmi3Functions.h"
 #include "instance.h"
 
 /* The signatures are FMI's, and nobody looks at the arguments. */
@@ -13,7 +14,7 @@
 static fmi3Status unsupported(fmi3Instance instance, const char *function)
 {
     if (!instance) return fmi3Error;
-    return instance_error(instance, "%s is not supported by this FMU.", function);
+    return (fmi3Status)instance_error(instance, "%s is not supported by this FMU.", function);
 }
 
 /* Asking for no variable at all is no mistake. */

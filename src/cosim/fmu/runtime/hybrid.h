@@ -37,6 +37,7 @@ typedef struct {
     double t, stop, tolerance;
     double v[MODEL_ROOM(MODEL_NV)];
     double u[MODEL_ROOM(MODEL_NU)];
+    double u_waiting[MODEL_ROOM(MODEL_NU)]; /* if inputs_wait: what u becomes when the next step begins (FMI 2.0) */
     double p[MODEL_ROOM(MODEL_NP)];
     double d[MODEL_ROOM(MODEL_ND)]; /* between events also pre(d) */
     double c[MODEL_ROOM(MODEL_NG)];
@@ -49,13 +50,14 @@ typedef struct {
     int64_t burst_events;
     uint64_t counters[COUNTERS];
     int mode;        /* of the FMI shell */
+    int inputs_wait;
     int initialised; /* v, d, c solve the initial equations for the present u, p, t */
     int event_due;   /* inputs have changed or a relation has: an event iteration must come before integrating on */
     int terminate;   /* the model has called terminate() */
     unsigned char warned[MODEL_ROOM(MODEL_NA)];
 } State;
 
-typedef enum { LOG_WARNING, LOG_EVENT } LogKind;
+typedef enum { LOG_EVENT, LOG_WARNING, LOG_DISCARD, LOG_ERROR } LogKind;
 
 typedef struct {
     State s;
@@ -69,7 +71,7 @@ typedef struct {
     double shown_f[MODEL_ROOM(MODEL_NV)];
     double shown_y[MODEL_ROOM(MODEL_NY)];
     double shown_l[MODEL_ROOM(MODEL_NL)];
-    /* Warnings and event notes go here, if not NULL. */
+    /* Warnings and event notes, and the errors of the FMI shell, go here, if not NULL. */
     void (*log)(void *log_context, LogKind kind, const char *text);
     void *log_context;
     int log_events;

@@ -1,35 +1,76 @@
 /* SPDX-License-Identifier: MIT-0
  *
- * An FMI 3.0 instance: a simulation, where it is in FMI's state machine, and the importer's callbacks.
+ * What the shells of all FMI versions share: FMI's state machine, errors, steps, saved states. A binary has one shell.
+ *
+ * An instance begins with its simulation, so that a pointer to one is a pointer to the other; what else it has, only
+ * its shell knows. The simulation's log is where errors go, too. Status numbers are the same in all FMI versions.
  */
 #ifndef COSIM_INSTANCE_H
 #define COSIM_INSTANCE_H
 
-#include "fmi3Functions.h"
+#include <stdbool.h>
+
 #include "hybrid.h"
+
+enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR };
 
 /* FMI's states; bits, so that a function can name all in which it is allowed. */
 enum {
     INSTANTIATED = 1,
-    INITIALIZATION_MODE = 2,
-    EVENT_MODE = 4,
-    STEP_MODE = 8,
-    TERMINATED = 16,
-    FAILED = 32, /* a step or an event has failed: only reset, restoring a state and looking are left */
-    ANY_MODE = 63
+    SET_UP = 2, /* FMI 2.0: as INSTANTIATED, and the experiment is known */
+    INITIALIZATION_MODE = 4,
+    EVENT_MODE = 8, /* FMI 3.0 */
+    STEP_MODE = 16,
+    TERMINATED = 32,
+    FAILED = 64, /* a step or an event has failed: only reset, restoring a state and looking are left */
+    BEFORE_INITIALIZATION = INSTANTIATED | SET_UP,
+    ANY_MODE = 127
 };
 
-typedef struct {
-    Simulation sim;
-    fmi3InstanceEnvironment environment;
-    fmi3LogMessageCallback log_message;
-    bool event_mode_used, early_return_allowed;
-} Instance;
+/* The state of the instance as the end of a sentence that refuses a call; defined by the shell. */
+const char *instance_mode_name(int mode);
 
-/* The instance if the function is allowed now, else NULL after having said why not. */
-Instance *instance_entering(fmi3Instance instance, int allowed_modes, const char *function);
+/* FMI's category and status for a message. */
+const char *log_category(LogKind kind);
+int log_status(LogKind kind);
 
-/* Report an error of the caller (the instance stays as it is) and return fmi3Error. */
-fmi3Status instance_error(Instance *i, const char *format, ...) PRINTF_LIKE(2, 3);
+/* Report an error of the caller (the instance stays as it is) and return STATUS_ERROR. */
+int instance_error(Simulation *m, const char *format, ...) PRINTF_LIKE(2, 3);
+
+/* The simulation could not go on: report why and return STATUS_ERROR. */
+int instance_failed(Simulation *m);
+
+/* The simulation if the function is allowed now, else NULL after having said why not. */
+Simulation *instance_entering(void *instance, int allowed_modes, const char *function);
+
+/* Whether name and token are fit for a new instance, else after having said why not. */
+bool instance_may_begin(Simulation *m, const char *name, const char *token, const char *function);
+
+/* A new instance of `size` bytes with a simulation in its start state, or NULL. */
+void *instance_new(size_t size, void (*log)(void *log_context, LogKind kind, const char *text), bool log_events);
+
+/* Log events if that is wanted for all categories or for theirs. */
+int instance_log_events(Simulation *m, const char *function, bool on, size_t n, const char *const categories[]);
+
+/* Take over start time, stop time and tolerance, unless they make no sense. */
+bool instance_set_up(Simulation *m, bool has_tolerance, double tolerance, double start, bool has_stop, double stop);
+
+/* Solve the initial equations if that has not happened yet. */
+bool instance_initialise(Simulation *m);
+
+/* Whether a step from t over h can be taken, else after having said why not. */
+bool instance_accepts_step(Simulation *m, const char *function, double t, double h);
+
+/* Advance to `to`; the clock ticks at the start take part, those at the end belong to the next step.
+ * If stop_at_events, go no farther than to the next tick or state event. */
+Advance instance_run(Simulation *m, double to, bool stop_at_events);
+
+/* Copies of the state. Each returns a status. */
+int instance_save(void *instance, const char *function, void **state);
+int instance_restore(void *instance, const char *function, const void *state);
+int instance_forget(void *instance, const char *function, void **state);
+int instance_serialized_size(void *instance, const char *function, const void *state, size_t *size);
+int instance_serialize(void *instance, const char *function, const void *state, void *bytes, size_t size);
+int instance_deserialize(void *instance, const char *function, const void *bytes, size_t size, void **state);
 
 #endif

@@ -1,0 +1,136 @@
+"""What the modelDescription.xml of FMI 2.0 and of FMI 3.0 have in common."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+from cosim import __version__
+from cosim.dae import Dae
+from cosim.fmu.layout import Layout, Slot
+from cosim.modelica.flat import Variable
+from cosim.units import linear_map, parse
+
+_LOG_CATEGORIES = {
+    "logStatusError": "What failed, and why",
+    "logStatusWarning": "Assertions of the model that are warnings",
+    "logEvents": "State events, with the relations that changed",
+}
+_LOG_DISCARD = {"logStatusDiscard": "Steps that ended early since the model has called terminate()"}
+
+
+def root_element(dae: Dae, identifier: str, fmi: str, **token: str) -> ET.Element:
+    """The root, with the attributes that all FMI versions know and the version's own name of the token."""
+    root = ET.Element(
+        "fmiModelDescription",
+        token,
+        fmiVersion=fmi,
+        modelName=identifier,
+        generationTool=f"wiper-cosim {__version__}",
+        variableNamingConvention="structured",
+    )
+    if dae.description:
+        root.set("description", dae.description)
+    return root
+
+
+def add_units(root: ET.Element, layout: Layout) -> None:
+    """Add the units of all variables.
+
+    Raises:
+        InputError: a variable's unit is not one.
+    """
+    units = sorted({v.unit for v in declarations(layout) if v.type == "Real" and v.unit} | {"s"})
+    definitions = ET.SubElement(root, "UnitDefinitions")
+    for name in units:
+        unit = parse(name)
+        element = ET.SubElement(definitions, "Unit", name=name)
+        base = {key: str(exponent) for key, exponent in unit.exponents.items() if exponent}
+        if unit.factor != 1.0:
+            base["factor"] = repr(unit.factor)
+        if unit.offset != 0.0:
+            base["offset"] = repr(unit.offset)
+        ET.SubElement(element, "BaseUnit", base)
+        for display in sorted({v.display_unit for v in declarations(layout) if v.unit == name and v.display_unit}):
+            factor, offset = linear_map(unit, parse(display))
+            shown = ET.SubElement(element, "DisplayUnit", name=display, factor=repr(factor))
+            if offset != 0.0:
+                shown.set("offset", repr(offset))
+
+
+def add_log_categories(root: ET.Element, *, discard: bool) -> None:
+    """Add what the runtime logs; with ``discard`` also the category of FMI 2.0's discarded steps."""
+    categories = ET.SubElement(root, "LogCategories")
+    for name, description in (_LOG_CATEGORIES | (_LOG_DISCARD if discard else {})).items():
+        ET.SubElement(categories, "Category", name=name, description=description)
+
+
+def add_experiment(root: ET.Element) -> None:
+    """Add the default experiment."""
+    ET.SubElement(root, "DefaultExperiment", startTime="0", tolerance="1e-06")
+
+
+def declarations(layout: Layout) -> list[Variable]:
+    """The Modelica declarations of the variables that have one."""
+    return [slot.scalar.declaration for slot in layout.slots if slot.scalar is not None]
+
+
+def enumerations(layout: Layout) -> dict[str, tuple[str, ...]]:
+    """The names of the enumeration types, and the literals of each, which count from 1."""
+    found = (v.literals for v in declarations(layout) if v.type == "Enumeration")
+    return {_type_name(literals): literals for literals in found}
+
+
+def general_attributes(reference: int, slot: Slot) -> dict[str, str]:
+    """The attributes of a variable that do not depend on its type."""
+    attributes = {
+        "name": slot.name,
+        "valueReference": str(reference),
+        "causality": slot.causality,
+        "variability": slot.variability,
+    }
+    if slot.description:
+        attributes["description"] = slot.description
+    if slot.initial is not None:
+        attributes["initial"] = slot.initial
+    return attributes
+
+
+def typed_attributes(slot: Slot) -> dict[str, str]:
+    """The attributes of a variable that depend on its type."""
+    attributes: dict[str, str] = {}
+    if slot.store == "STORE_TIME":
+        attributes["unit"] = "s"
+    declaration = slot.scalar.declaration if slot.scalar is not None else None
+    if declaration is not None and declaration.type == "Enumeration":
+        attributes["declaredType"] = _type_name(declaration.literals)
+    if declaration is not None and declaration.type == "Real":
+        if declaration.unit:
+            attributes["unit"] = declaration.unit
+            if declaration.display_unit:
+                attributes["displayUnit"] = declaration.display_unit
+        if declaration.quantity:
+            attributes["quantity"] = declaration.quantity
+        for attribute, expression in (("min", declaration.minimum), ("max", declaration.maximum)):
+            value = getattr(expression, "value", None)
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                attributes[attribute] = repr(float(value))
+    if slot.start is not None:
+        attributes["start"] = _start(slot, slot.start)
+    return attributes
+
+
+def document(root: ET.Element) -> bytes:
+    """The XML document as bytes."""
+    ET.indent(root)
+    text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _type_name(literals: tuple[str, ...]) -> str:
+    return "Enumeration_" + "_".join(literals)
+
+
+def _start(slot: Slot, start: float) -> str:
+    if slot.type == "TYPE_BOOLEAN":
+        return "true" if start else "false"
+    return repr(float(start)) if slot.type == "TYPE_REAL" else str(int(start))

@@ -1,0 +1,73 @@
+"""The modelDescription.xml of an FMI 2.0 Co-Simulation FMU."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+from cosim.dae import Dae
+from cosim.fmu import _description_parts as parts
+from cosim.fmu.layout import Layout
+
+_ELEMENTS = {
+    "TYPE_REAL": "Real",
+    "TYPE_INTEGER": "Integer",
+    "TYPE_BOOLEAN": "Boolean",
+    "TYPE_ENUMERATION": "Enumeration",
+    "TYPE_COUNTER": "Integer",
+}
+
+
+def describe2(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
+    """The XML document.
+
+    Args:
+        dae: the model.
+        layout: its variables; value references are positions.
+        identifier: the name of the binary.
+        token: the GUID.
+
+    Raises:
+        InputError: a variable's unit is not one.
+    """
+    root = parts.root_element(dae, identifier, "2.0", guid=token)
+    ET.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=identifier,
+        canHandleVariableCommunicationStepSize="true",
+        canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+    )
+    parts.add_units(root, layout)
+    _types(root, layout)
+    parts.add_log_categories(root, discard=True)
+    parts.add_experiment(root)
+    variables = ET.SubElement(root, "ModelVariables")
+    for reference, slot in enumerate(layout.slots):
+        variable = ET.SubElement(variables, "ScalarVariable", parts.general_attributes(reference, slot))
+        ET.SubElement(variable, _ELEMENTS[slot.type], parts.typed_attributes(slot))
+    _structure(root, layout)
+    return parts.document(root)
+
+
+def _types(root: ET.Element, layout: Layout) -> None:
+    enumerations = parts.enumerations(layout)
+    if not enumerations:
+        return
+    definitions = ET.SubElement(root, "TypeDefinitions")
+    for name, literals in enumerations.items():
+        element = ET.SubElement(ET.SubElement(definitions, "SimpleType", name=name), "Enumeration")
+        for value, literal in enumerate(literals, start=1):
+            ET.SubElement(element, "Item", name=literal, value=str(value))
+
+
+def _structure(root: ET.Element, layout: Layout) -> None:
+    """Variables are named by their position from 1; a list without entries is left out."""
+    structure = ET.SubElement(root, "ModelStructure")
+    for element, wanted in (("Outputs", {"output"}), ("InitialUnknowns", {"output", "calculatedParameter"})):
+        indices = [index for index, slot in enumerate(layout.slots, start=1) if slot.causality in wanted]
+        if indices:
+            unknowns = ET.SubElement(structure, element)
+            for index in indices:
+                ET.SubElement(unknowns, "Unknown", index=str(index))
