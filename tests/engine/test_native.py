@@ -123,32 +123,46 @@ def test_the_c_compiles_without_warnings(tmp_path: Path) -> None:
     assert done.returncode == 0
 
 
-@pytest.fixture
-def control_c() -> Iterator[list[float]]:
-    """Press Ctrl-C after 0.3 s; when that was is put into the list."""
-    sent: list[float] = []
-    ended = threading.Event()
+class ControlC:
+    """Presses Ctrl-C 0.3 s after ``start``; ``sent`` is when that was."""
 
-    def interrupt() -> None:
-        if not ended.wait(0.3):
-            sent.append(time.perf_counter())
+    def __init__(self) -> None:
+        self.sent = 0.0
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._press)
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def stop(self) -> None:
+        self._ended.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _press(self) -> None:
+        if not self._ended.wait(0.3):
+            self.sent = time.perf_counter()
             os.kill(os.getpid(), signal.SIGINT)
 
-    thread = threading.Thread(target=interrupt)
-    thread.start()
-    yield sent
-    ended.set()
-    thread.join()
+
+@pytest.fixture
+def control_c() -> Iterator[ControlC]:
+    """A Ctrl-C that does not outlive the test."""
+    pressing = ControlC()
+    yield pressing
+    pressing.stop()
 
 
 @pytest.mark.parametrize("loop", ["native", "python"])
 def test_control_c_ends_a_run_within_a_second(
-    fmu: Get, monkeypatch: pytest.MonkeyPatch, control_c: list[float], loop: str
+    fmu: Get, monkeypatch: pytest.MonkeyPatch, control_c: ControlC, loop: str
 ) -> None:
     monkeypatch.setenv("COSIM_ENGINE", loop)
+    system = feedback(fmu, T_compute=0.001)
+    control_c.start()
     with pytest.raises(SimulationInterrupted) as caught:
-        simulate(feedback(fmu, T_compute=0.001), stop=1e5, output_interval=0.5, tolerance=1e-6)
-    assert time.perf_counter() - control_c[0] < 1.0
+        simulate(system, stop=1e5, output_interval=0.5, tolerance=1e-6)
+    assert time.perf_counter() - control_c.sent < 1.0
     result = caught.value.result
     rows = len(result.time)
     assert rows > 2
@@ -159,11 +173,12 @@ def test_control_c_ends_a_run_within_a_second(
     assert result.columns["c.count"].tolist() == [500 * k + 1 for k in range(rows)]
 
 
-def test_control_c_is_not_lost_in_an_fmu_that_talks_all_the_time(fmu: Get, control_c: list[float]) -> None:
+def test_control_c_is_not_lost_in_an_fmu_that_talks_all_the_time(fmu: Get, control_c: ControlC) -> None:
     system = System([Component("f", fmu("faulty"), {"fault": "talkative", "t_fault": 1e9})])
+    control_c.start()
     with pytest.raises(SimulationInterrupted):
         simulate(system, stop=2e3, output_interval=1e-3, tolerance=1e-6)
-    assert time.perf_counter() - control_c[0] < 1.0
+    assert time.perf_counter() - control_c.sent < 1.0
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
