@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -85,17 +85,22 @@ class _Generator:
         parts += self._start()
         parts += self._clocks()
         f = dae.f
-        parts += self._continuous("model_rhs", "f", f, self._equation_comment())
-        parts += self._continuous("model_jacobian", "J", ca.jacobian(f, dae.v), "df/dv, column by column")
-        parts += self._continuous("model_time_derivative", "ft", ca.jacobian(f, dae.time), "explicit df/dt")
+        parts += self._continuous("model_rhs", {"f": f}, self._equation_comment())
+        derivatives = {"f": f, "J": ca.jacobian(f, dae.v), "ft": ca.jacobian(f, dae.time)}
+        parts += self._continuous("model_linearise", derivatives, "f, df/dv column by column, explicit df/dt")
+        z = _column([unknown.symbol for unknown in dae.torn])
+        parts += self._continuous("model_residual", {"r": dae.residuals}, "the residuals alone")
+        algebraic = {"r": dae.residuals, "J": ca.jacobian(dae.residuals, z)}
+        parts += self._continuous("model_linearise_residual", algebraic, "the residuals and their derivatives by z")
         relations = "; ".join(f"{k}: {r.text}" for k, r in enumerate(dae.relations))
-        parts += self._continuous("model_indicators", "g", _column([r.indicator for r in dae.relations]), relations)
+        indicators = _column([r.indicator for r in dae.relations])
+        parts += self._continuous("model_indicators", {"g": indicators}, relations)
         r = dae.initial_residuals
         initial = "; ".join(dae.initial_texts)
-        parts += self._continuous("model_initial_residual", "r", r, initial)
-        parts += self._continuous("model_initial_jacobian", "J", ca.jacobian(r, dae.v), "dr/dv, column by column")
-        parts += self._continuous("model_outputs", "y", _column(self._layout.outputs), "")
-        parts += self._continuous("model_locals", "l", _column(self._layout.locals), "")
+        parts += self._continuous("model_initial_residual", {"r": r}, initial)
+        parts += self._continuous("model_initial_jacobian", {"J": ca.jacobian(r, dae.v)}, "dr/dv, column by column")
+        parts += self._continuous("model_outputs", {"y": _column(self._layout.outputs)}, "")
+        parts += self._continuous("model_locals", {"l": _column(self._layout.locals)}, "")
         parts += self._assertions()
         parts += self._discrete()
         return "\n".join(parts)
@@ -159,10 +164,13 @@ class _Generator:
 
     # functions of the continuous arguments
 
-    def _continuous(self, name: str, result: str, expression: SX, comment: str) -> list[str]:
-        body = [*self._body(_CONTINUOUS, [(result, expression)])]
-        head = f"void {name}(MODEL_CONTINUOUS_ARGUMENTS, double *{result})"
-        lines = _function(head, [f"{_UNUSED.strip()[:-1]}, (void){result};", *body])
+    def _continuous(self, name: str, results: Mapping[str, SX], comment: str) -> list[str]:
+        """A function of the continuous arguments; its results go to the arrays of these names."""
+        arrays = ", ".join(f"double *{result}" for result in results)
+        unused = "".join(f", (void){result}" for result in results)
+        head = f"void {name}(MODEL_CONTINUOUS_ARGUMENTS, {arrays})"
+        body = [f"{_UNUSED.strip()[:-1]}{unused};", *self._body(_CONTINUOUS, list(results.items()))]
+        lines = _function(head, body)
         return [f"/* {_comment(comment)} */", *lines] if comment else lines
 
     def _assertions(self) -> list[str]:

@@ -16,6 +16,33 @@
         {STORE_COUNTER, TYPE_COUNTER, SET_NEVER, 2}, {STORE_COUNTER, TYPE_COUNTER, SET_NEVER, 3},                    \
         {STORE_COUNTER, TYPE_COUNTER, SET_NEVER, 4}, {STORE_COUNTER, TYPE_COUNTER, SET_NEVER, 5}
 
+/* The samples give the derivatives one by one. */
+void model_jacobian(MODEL_CONTINUOUS_ARGUMENTS, double *J);
+void model_time_derivative(MODEL_CONTINUOUS_ARGUMENTS, double *ft);
+
+void model_linearise(MODEL_CONTINUOUS_ARGUMENTS, double *f, double *J, double *ft)
+{
+    model_rhs(t, v, u, p, d, c, f);
+    model_jacobian(t, v, u, p, d, c, J);
+    model_time_derivative(t, v, u, p, d, c, ft);
+}
+
+void model_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r)
+{
+    double f[MODEL_ROOM(MODEL_NV)];
+    model_rhs(t, v, u, p, d, c, f);
+    for (int i = 0; i < MODEL_NZ; i++) r[i] = f[MODEL_NX + i];
+}
+
+void model_linearise_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r, double *J)
+{
+    double whole[MODEL_ROOM(MODEL_NV * MODEL_NV)];
+    model_residual(t, v, u, p, d, c, r);
+    model_jacobian(t, v, u, p, d, c, whole);
+    for (int j = 0; j < MODEL_NZ; j++)
+        for (int i = 0; i < MODEL_NZ; i++) J[j * MODEL_NZ + i] = whole[(MODEL_NX + j) * MODEL_NV + MODEL_NX + i];
+}
+
 #if MODEL_NU == 0
 const double model_start_inputs[1] = {0};
 #endif

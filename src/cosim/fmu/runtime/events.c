@@ -23,18 +23,16 @@ static void algebraic_system(void *context, const double *z, double *r, double *
 {
     AlgebraicSystem *a = context;
     State *s = &a->m->s;
-    double v[MODEL_ROOM(MODEL_NV)], f[MODEL_ROOM(MODEL_NV)];
+    double v[MODEL_ROOM(MODEL_NV)];
     memcpy(v, a->v, MODEL_NX * sizeof *v);
     memcpy(v + MODEL_NX, z, MODEL_NZ * sizeof *v);
-    model_rhs(a->t, v, s->u, s->p, s->d, s->c, f);
-    memcpy(r, f + MODEL_NX, MODEL_NZ * sizeof *r);
     s->counters[COUNTER_RHS]++;
-    if (!J) return;
-    double *whole = a->m->rodas.LU; /* free between two steps */
-    model_jacobian(a->t, v, s->u, s->p, s->d, s->c, whole);
-    for (int j = 0; j < MODEL_NZ; j++)
-        memcpy(J + j * MODEL_NZ, whole + (MODEL_NX + j) * MODEL_NV + MODEL_NX, MODEL_NZ * sizeof *J);
-    s->counters[COUNTER_JACOBIANS]++;
+    if (J) {
+        model_linearise_residual(a->t, v, s->u, s->p, s->d, s->c, r, J);
+        s->counters[COUNTER_JACOBIANS]++;
+    } else {
+        model_residual(a->t, v, s->u, s->p, s->d, s->c, r);
+    }
 }
 
 int simulation_solve_algebraic(Simulation *m, double t, double *v)

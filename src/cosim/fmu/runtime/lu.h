@@ -1,15 +1,68 @@
 /* SPDX-License-Identifier: MIT-0
  *
  * Dense LU factorisation with partial pivoting. Matrices are column-major: A[column * n + row].
+ *
+ * The functions stand in the header because n is a constant where they are called: with it the loops, which take most
+ * of a solver step's arithmetic, are unrolled.
  */
 #ifndef COSIM_LU_H
 #define COSIM_LU_H
 
+#include <math.h>
+
 /* Factorise A in place, into a form that only lu_solve reads. Returns 0, or 1 + the column in which no pivot is left
  * (singular, or not a number). */
-int lu_factor(int n, double *A, int *pivots);
+static inline int lu_factor(int n, double *A, int *pivots)
+{
+    for (int k = 0; k < n; k++) {
+        double *column = A + k * n;
+        int pivot = k;
+        for (int i = k + 1; i < n; i++)
+            if (fabs(column[i]) > fabs(column[pivot])) pivot = i;
+        pivots[k] = pivot;
+        /* Kept inverted: a division in lu_solve would cost more than the rest of its row. */
+        double inverse = 1.0 / column[pivot];
+        if (!isfinite(inverse) || inverse == 0.0) return k + 1;
+        if (pivot != k)
+            for (int j = 0; j < n; j++) {
+                double swapped = A[j * n + k];
+                A[j * n + k] = A[j * n + pivot];
+                A[j * n + pivot] = swapped;
+            }
+        column[k] = inverse;
+        for (int i = k + 1; i < n; i++) column[i] *= inverse;
+        for (int j = k + 1; j < n; j++) {
+            double *updated = A + j * n;
+            double factor = updated[k];
+            /* Torn models have sparse Jacobians: most of these are zero. */
+            if (factor == 0.0) continue;
+            for (int i = k + 1; i < n; i++) updated[i] -= column[i] * factor;
+        }
+    }
+    return 0;
+}
 
 /* Solve A x = b in place with a factorised A. */
-void lu_solve(int n, const double *A, const int *pivots, double *b);
+static inline void lu_solve(int n, const double *A, const int *pivots, double *b)
+{
+    /* Rows were swapped as a whole, the finished part of L included, so all swaps come first. */
+    for (int k = 0; k < n; k++) {
+        double swapped = b[k];
+        b[k] = b[pivots[k]];
+        b[pivots[k]] = swapped;
+    }
+    for (int k = 0; k < n; k++) {
+        const double *column = A + k * n;
+        double factor = b[k];
+        if (factor == 0.0) continue;
+        for (int i = k + 1; i < n; i++) b[i] -= column[i] * factor;
+    }
+    for (int k = n - 1; k >= 0; k--) {
+        const double *column = A + k * n;
+        if (b[k] == 0.0) continue;
+        double value = b[k] *= column[k];
+        for (int i = 0; i < k; i++) b[i] -= column[i] * value;
+    }
+}
 
 #endif

@@ -46,8 +46,8 @@ typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_ENUMERATION, TYPE_COU
 typedef enum {
     COUNTER_STEPS,      /* accepted steps */
     COUNTER_REJECTED,   /* rejected steps */
-    COUNTER_RHS,        /* calls of model_rhs */
-    COUNTER_JACOBIANS,  /* calls of model_jacobian */
+    COUNTER_RHS,        /* evaluations of the equations, whole or their algebraic part */
+    COUNTER_JACOBIANS,  /* and of their derivatives */
     COUNTER_STATE_EVENTS,
     COUNTER_TIME_EVENTS, /* instants at which a sample clock ticked */
     COUNTERS             /* how many there are */
@@ -104,11 +104,13 @@ void model_clocks(const double *p, double *start, double *interval);
 /* f[0..NX) = dx/dt, f[NX..NV) = residual of the algebraic equations. */
 void model_rhs(MODEL_CONTINUOUS_ARGUMENTS, double *f);
 
-/* J[column * NV + row] = df[row]/dv[column]. Every entry is written. */
-void model_jacobian(MODEL_CONTINUOUS_ARGUMENTS, double *J);
+/* f as model_rhs gives it, J[column * NV + row] = df[row]/dv[column], and ft = df/dt at constant v, u, p, d, c: at once,
+ * since they share most of the work. Every entry is written. */
+void model_linearise(MODEL_CONTINUOUS_ARGUMENTS, double *f, double *J, double *ft);
 
-/* Explicit derivative df/dt at constant v, u, p, d, c. */
-void model_time_derivative(MODEL_CONTINUOUS_ARGUMENTS, double *ft);
+/* The algebraic equations alone: r = f_z, and J[column * NZ + row] = df_z[row]/dz[column]. */
+void model_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r);
+void model_linearise_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r, double *J);
 
 /* Indicators of the relations; these do not depend on c's own entries for the same relation. */
 void model_indicators(MODEL_CONTINUOUS_ARGUMENTS, double *g);

@@ -17,6 +17,7 @@ static const double SHORTEST_STEP = 1e-9;
  * that is larger than its nominal value is still reached in few iterations, since the step grows with the unknown. */
 static const double LONGEST_STEP = 1.0;
 static const double CONVERGED = 1e-12; /* the last correction still gets applied, so the result is better than this */
+static const double QUADRATIC = 1e-7;  /* a full step this short leaves an error of the order of its square */
 static const double STAGNATED = 1e-8;  /* corrections this small that no longer shrink are rounding errors */
 
 /* Largest correction relative to the unknowns; NaN if any of them is. */
@@ -44,7 +45,10 @@ static double residual_norm(const Newton *w, int n)
 static void correction(Newton *w, int n, double *result)
 {
     for (int i = 0; i < n; i++) result[i] = -w->r[i];
-    lu_solve(n, w->J, w->pivots, result);
+    if (n == MODEL_NZ)
+        lu_solve(MODEL_NZ, w->J, w->pivots, result);
+    else
+        lu_solve(n, w->J, w->pivots, result);
 }
 
 NewtonOutcome newton_solve(Newton *w, int n, NewtonSystem system, void *context, const double *nominal, double *y)
@@ -52,7 +56,9 @@ NewtonOutcome newton_solve(Newton *w, int n, NewtonSystem system, void *context,
     if (n == 0) return NEWTON_SOLVED;
     for (int iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         system(context, y, w->r, w->J);
-        int singular = lu_factor(n, w->J, w->pivots);
+        /* The algebraic equations are solved for every published row: let the compiler know their number. */
+        int singular =
+            n == MODEL_NZ ? lu_factor(MODEL_NZ, w->J, w->pivots) : lu_factor(n, w->J, w->pivots);
         if (singular) {
             w->worst = singular - 1;
             return NEWTON_SINGULAR;
@@ -61,7 +67,10 @@ NewtonOutcome newton_solve(Newton *w, int n, NewtonSystem system, void *context,
         correction(w, n, w->step);
         double length = size(w, n, w->step, y, nominal);
         if (!isfinite(length)) return NEWTON_DIVERGED;
-        if (length == 0.0) return NEWTON_SOLVED;
+        if (length <= QUADRATIC) {
+            for (int i = 0; i < n; i++) y[i] += w->step[i];
+            return NEWTON_SOLVED;
+        }
 
         double damping = fmin(1.0, LONGEST_STEP / length), next;
         for (;;) {

@@ -38,9 +38,7 @@ void rodas_begin(Rodas *r, double t, const double *v, const Held *held)
 {
     r->step.t = t;
     memcpy(r->step.v, v, sizeof r->step.v);
-    model_rhs(t, v, held->u, held->p, held->d, held->c, r->f);
-    model_jacobian(t, v, held->u, held->p, held->d, held->c, r->J);
-    model_time_derivative(t, v, held->u, held->p, held->d, held->c, r->f_t);
+    model_linearise(t, v, held->u, held->p, held->d, held->c, r->f, r->J, r->f_t);
 }
 
 /* M / (gamma h) - J, factorised. */
