@@ -17,6 +17,7 @@ from cosim.cli import _run
 from cosim.cli._app import app
 from cosim.engine import Fmu, System, Variable
 from cosim.errors import ModelError
+from cosim.fmu.versions import FmiChoice, file_name, versions_of
 
 Cosim = Callable[..., Result]
 
@@ -65,8 +66,16 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         asked.append(name)
         return Path(f"{name}.fmu")
 
-    def build(names: list[str] | None, out: Path | None) -> list[Path]:
-        return [(out or Path("fmus")) / f"{name}.fmu" for name in names or ["linkage", "rig"]]
+    def build(names: list[str] | None, out: Path | None, fmi: FmiChoice) -> list[Path]:
+        return [
+            (out or Path("fmus")) / file_name(name, version)
+            for name in names or ["linkage", "rig"]
+            for version in versions_of(fmi)
+        ]
+
+    def export_all(file: Path, model: str, out: Path, *, fmi: FmiChoice) -> list[Path]:
+        compile_model(file, model)
+        return [out / file_name(model.rpartition(".")[2], version) for version in versions_of(fmi)]
 
     def compile_model(file: Path, model: str) -> str:
         if model == "P.Wrong":
@@ -77,7 +86,7 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     fmu: Any = ModuleType("cosim.fmu")
     fmu.catalogue = catalogue
     fmu.compile_model = compile_model
-    fmu.export = lambda file, model, out: (compile_model(file, model), out / f"{model.rpartition('.')[2]}.fmu")[1]
+    fmu.export_all = export_all
     dae: Any = ModuleType("cosim.dae")
     dae.explain = lambda compiled: f"explained: {compiled}"
     for name, module in {"cosim.fmu": fmu, "cosim.fmu.catalogue": catalogue, "cosim.dae": dae}.items():

@@ -39,7 +39,10 @@ def test_build(cosim: Cosim) -> None:
             ("build", "--platform", "all"),
             "--platform all: this version builds for 'host' only, the machine it runs on",
         ),
-        (("build", "--fmi", "2.0"), "--fmi 2.0: this version builds FMI 3.0 only; leave the option out"),
+        (
+            ("build", "--fmi", "1.0"),
+            "--fmi 1.0: FMUs are built for FMI 3.0 or 2.0; accepted are 3.0, 2.0, both",
+        ),
         (("info", "x.fmu"), "x.fmu: there is no such FMU"),
         (("export", "x.mo", "P.M"), "x.mo: there is no such Modelica file"),
     ],
@@ -78,7 +81,17 @@ def test_export(cosim: Cosim) -> None:
     done = cosim("export", "x.mo", "P.Model", "--explain")
     assert (done.exit_code, done.stdout) == (0, "explained: dae of P.Model\nModel.fmu\n")
     done = cosim("export", "x.mo", "P.Model", "--explain", "--json")
-    assert json.loads(done.stdout) == {"fmu": "Model.fmu", "explanation": "explained: dae of P.Model"}
+    paths = {"fmu": "Model.fmu", "fmus": ["Model.fmu"]}
+    assert json.loads(done.stdout) == paths | {"explanation": "explained: dae of P.Model"}
+
+
+def test_fmi_versions(cosim: Cosim) -> None:
+    Path("x.mo").touch()
+    assert cosim("build", "linkage", "--fmi", "2.0").stdout == f"{Path('fmus/linkage.fmi2.fmu')}\n"
+    done = cosim("build", "linkage", "--fmi", "both")
+    assert done.stdout == f"{Path('fmus/linkage.fmu')}\n{Path('fmus/linkage.fmi2.fmu')}\n"
+    done = cosim("export", "x.mo", "P.Model", "--fmi", "both", "--json")
+    assert json.loads(done.stdout)["fmus"] == ["Model.fmu", "Model.fmi2.fmu"]
 
 
 def test_a_model_that_does_not_compile(cosim: Cosim) -> None:

@@ -24,7 +24,7 @@ app = typer.Typer(
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout instead of text.")]
 Platform = Annotated[str, typer.Option(help="Platform of the FMU's binary; 'host' is this machine.")]
-Fmi = Annotated[str, typer.Option(help="FMI version of the FMU.")]
+Fmi = Annotated[str, typer.Option(metavar="3.0|2.0|both", help="FMI version; an FMI 2.0 file ends in .fmi2.fmu.")]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -93,9 +93,9 @@ def build(
     with reporting(screen):
         from cosim.cli._builtin import build_all, check_target
 
-        check_target(platform, fmi)
+        choice = check_target(platform, fmi)
         with screen.working("building FMUs"):
-            paths = build_all(names or None, out)
+            paths = build_all(names or None, out, choice)
         screen.document({"fmus": [str(path) for path in paths]})
         for path in paths:
             screen.say(str(path))
@@ -132,11 +132,12 @@ def export(
     with reporting(screen):
         from cosim.cli._builtin import check_target, explanation, export_model
 
-        check_target(platform, fmi)
+        choice = check_target(platform, fmi)
         with screen.working(f"compiling {model}"):
             text = explanation(file, model) if explain else None
-            path = export_model(file, model, out)
-        screen.document({"fmu": str(path), "explanation": text})
+            paths = export_model(file, model, out, choice)
+        screen.document({"fmu": str(paths[0]), "fmus": [str(path) for path in paths], "explanation": text})
         if text is not None:
             screen.say(text)
-        screen.say(str(path))
+        for path in paths:
+            screen.say(str(path))

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cosim.errors import InputError
 
+if TYPE_CHECKING:
+    from cosim.fmu.versions import FmiChoice
 
-def check_target(platform: str, fmi: str) -> None:
-    """Refuse platforms and FMI versions that are not built, with `InputError`."""
+
+def check_target(platform: str, fmi: str) -> FmiChoice:
+    """Return the choice of FMI versions; refuse others, and platforms that are not built, with `InputError`."""
     if platform != "host":
         raise InputError(f"--platform {platform}: this version builds for 'host' only, the machine it runs on")
-    if fmi != "3.0":
-        raise InputError(f"--fmi {fmi}: this version builds FMI 3.0 only; leave the option out")
+    choices: dict[str, FmiChoice] = {"3.0": "3.0", "2.0": "2.0", "both": "both"}
+    if fmi not in choices:
+        raise InputError(f"--fmi {fmi}: FMUs are built for FMI 3.0 or 2.0; accepted are {', '.join(choices)}")
+    return choices[fmi]
 
 
 def locate(name: str) -> Path:
@@ -25,22 +31,22 @@ def locate(name: str) -> Path:
     return path
 
 
-def build_all(names: list[str] | None, out: Path | None) -> list[Path]:
+def build_all(names: list[str] | None, out: Path | None, fmi: FmiChoice) -> list[Path]:
     """Build the named built-in FMUs, or all of them, into ``out`` or the default place."""
     from cosim.fmu import catalogue
 
     _check_names(names or [], _known())
-    paths: list[Path] = catalogue.build(names, out)
+    paths: list[Path] = catalogue.build(names, out, fmi)
     return paths
 
 
-def export_model(file: Path, model: str, out: Path) -> Path:
-    """Compile a Modelica model into an FMU in the folder ``out``."""
-    from cosim.fmu import export
+def export_model(file: Path, model: str, out: Path, fmi: FmiChoice) -> list[Path]:
+    """Compile a Modelica model into an FMU, or one of each FMI version, in the folder ``out``."""
+    from cosim.fmu import export_all
 
     _check_file(file)
-    path: Path = export(file, model, out)
-    return path
+    paths: list[Path] = export_all(file, model, out, fmi=fmi)
+    return paths
 
 
 def explanation(file: Path, model: str) -> str:

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from cosim import __version__
 from cosim.errors import InputError
+from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
 
 _PACKAGE = Path(__file__).parents[1]
 
@@ -67,17 +68,17 @@ def names() -> dict[str, CatalogueEntry]:
     }
 
 
-def ensure(name: str) -> Path:
+def ensure(name: str, fmi: FmiVersion = "3.0") -> Path:
     """The FMU of this name, built first if it is missing or out of date.
 
     Raises:
         InputError: there is no such entry.
         ModelError, BuildError: it cannot be built.
     """
-    return _build(_entry(name), build_folder(), force=False)
+    return _build(_entry(name), build_folder(), fmi)[0]
 
 
-def build(wanted: Iterable[str] | None = None, out: Path | None = None) -> list[Path]:
+def build(wanted: Iterable[str] | None = None, out: Path | None = None, fmi: FmiChoice = "3.0") -> list[Path]:
     """Build the FMUs of these names (all by default) where they are missing or out of date; their paths.
 
     Raises:
@@ -85,7 +86,7 @@ def build(wanted: Iterable[str] | None = None, out: Path | None = None) -> list[
         ModelError, BuildError: one cannot be built.
     """
     entries = [_entry(name) for name in (wanted or names())]
-    return [_build(entry, out or build_folder(), force=False) for entry in entries]
+    return [path for entry in entries for path in _build(entry, out or build_folder(), fmi)]
 
 
 def _entry(name: str) -> CatalogueEntry:
@@ -96,20 +97,31 @@ def _entry(name: str) -> CatalogueEntry:
     raise InputError(f"there is no FMU {name!r} to build; there are {', '.join(known)}")
 
 
-def _build(entry: CatalogueEntry, out: Path, *, force: bool) -> Path:
-    path = out / f"{entry.fmu_name}.fmu"
+def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice) -> list[Path]:
+    versions = versions_of(choice)
+    paths = {fmi: out / file_name(entry.fmu_name, fmi) for fmi in versions}
     wanted = _hash(entry)
-    if not force and _recorded_hash(path) == wanted:
-        return path
-    from filelock import FileLock
 
-    out.mkdir(parents=True, exist_ok=True)
-    with FileLock(out / f".{entry.fmu_name}.lock"):
-        if not force and _recorded_hash(path) == wanted:
-            return path  # another process has built it meanwhile
-        from cosim.fmu.exporter import export
+    def outdated() -> list[FmiVersion]:
+        return [fmi for fmi in versions if _recorded_hash(paths[fmi]) != wanted]
 
-        return export(entry.source, entry.model, out, build_hash=wanted)
+    if outdated():
+        from filelock import FileLock
+
+        out.mkdir(parents=True, exist_ok=True)
+        with FileLock(out / f".{entry.fmu_name}.lock"):
+            missing = outdated()  # another process may have built some meanwhile
+            if missing:
+                from cosim.fmu.exporter import export_all
+
+                export_all(
+                    entry.source,
+                    entry.model,
+                    out,
+                    fmi="both" if len(missing) > 1 else missing[0],
+                    build_hash=wanted,
+                )
+    return list(paths.values())
 
 
 def _recorded_hash(path: Path) -> str | None:

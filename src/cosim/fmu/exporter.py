@@ -8,7 +8,6 @@ import os
 import re
 import tempfile
 import zipfile
-from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -18,7 +17,8 @@ from cosim.fmu.codegen import generate
 from cosim.fmu.description import describe
 from cosim.fmu.description2 import describe2
 from cosim.fmu.layout import lay_out
-from cosim.fmu.toolchain import RUNTIME, FmiVersion, compile_library, fmi_headers, host, runtime_sources
+from cosim.fmu.toolchain import RUNTIME, compile_library, fmi_headers, host, runtime_sources
+from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
 from cosim.modelica import Source, flatten
 
 BUILD_RECORD = "extra/io.github.wiper-cosim/build.json"
@@ -50,16 +50,11 @@ def export(file: Path, model: str, out: Path, *, fmi: FmiVersion = "3.0", build_
 
 
 def export_all(
-    file: Path, model: str, out: Path, *, fmi: Iterable[FmiVersion], build_hash: str | None = None
+    file: Path, model: str, out: Path, *, fmi: FmiChoice = "both", build_hash: str | None = None
 ) -> list[Path]:
-    """Compile one class once and write it as an FMU of each of these FMI versions; see :func:`export`."""
+    """Compile one class once and write it as an FMU of each chosen FMI version; see :func:`export`."""
     dae = compile_model(file, model)
-    return [pack(dae, out, fmi=version, build_hash=build_hash) for version in fmi]
-
-
-def file_name(identifier: str, fmi: FmiVersion) -> str:
-    """The name of an FMU's file."""
-    return f"{identifier}.fmu" if fmi == "3.0" else f"{identifier}.fmi2.fmu"
+    return [pack(dae, out, fmi=version, build_hash=build_hash) for version in versions_of(fmi)]
 
 
 def pack(dae: Dae, out: Path, *, fmi: FmiVersion = "3.0", build_hash: str | None = None) -> Path:

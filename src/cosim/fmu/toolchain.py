@@ -12,11 +12,9 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from cosim.errors import BuildError
-
-FmiVersion = Literal["2.0", "3.0"]
+from cosim.fmu.versions import FmiVersion
 
 RUNTIME = Path(__file__).parent / "runtime"
 
