@@ -17,8 +17,8 @@ from reference.plant import linkage_plant
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "linkage_20ms.csv"
 
 
-def cosimulated(stop: float, tolerance: float) -> Result:
-    scenario = read(SCENARIO)
+def cosimulated(stop: float, tolerance: float, *settings: str) -> Result:
+    scenario = read(SCENARIO, settings)
     system = assemble(scenario, catalogue.ensure)
     return simulate(system, stop=stop, output_interval=scenario.output_interval, tolerance=tolerance)
 
@@ -41,3 +41,22 @@ def test_linkage_20ms_equals_the_monolithic_loop_over_five_seconds() -> None:
 @pytest.mark.slow
 def test_linkage_20ms_equals_the_monolithic_loop_over_the_whole_scenario() -> None:
     compare(cosimulated(25.0, read(SCENARIO).tolerance), closed_loop(linkage_plant(), Parameters(), stop=25.0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("sample_time", "compute_time", "stop"),
+    [(0.001, 0.001, 12.0), (0.002, 0.001, 12.0), (0.01, 0.001, 12.0), (0.05, 0.001, 12.0), (0.0073, 0.0001, 6.0)],
+)
+def test_any_sample_time_gives_the_decisions_of_the_monolithic_loop(
+    sample_time: float, compute_time: float, stop: float
+) -> None:
+    result = cosimulated(
+        stop,
+        1e-8,
+        f"sample_time={sample_time} s",
+        f"controller.T_compute={compute_time} s",
+        f"output_interval={compute_time} s",
+    )
+    parameters = Parameters(T_sample=sample_time, T_compute=compute_time)
+    compare(result, closed_loop(linkage_plant(), parameters, stop=stop))
