@@ -32,6 +32,9 @@ _FUNCTIONS: dict[str, Callable[..., SX]] = {
     "atan2": ca.atan2, "sinh": ca.sinh, "cosh": ca.cosh, "tanh": ca.tanh, "exp": ca.exp, "log": ca.log,
     "log10": ca.log10, "sqrt": ca.sqrt, "abs": ca.fabs, "sign": ca.sign,
 }  # fmt: skip
+_CONSTRUCTORS: dict[str, Callable[..., SX]] = {
+    "diagonal": ca.diag, "cross": ca.cross, "skew": ca.skew, "outerProduct": lambda a, b: ca.mtimes(a, b.T),
+}  # fmt: skip
 _RELATIONAL = {"<", "<=", ">", ">="}
 _NOT_SUPPORTED = {
     "delay", "spatialDistribution", "semiLinear", "terminal", "cardinality", "clock", "hold", "previous", "firstTick",
@@ -144,7 +147,7 @@ class Evaluator:
 
     def _reference(self, node: Reference) -> SX:
         symbols = self.symbols
-        if node.name in self.locals:
+        if node.name in self.locals and not (self.reading_pre and node.name in symbols.values):
             value = self.locals[node.name]
         elif node.name == "time":
             value = symbols.system.time
@@ -208,6 +211,8 @@ class Evaluator:
                 return left - right
             case "*" if left.is_column() and right.is_column() and left.numel() > 1 and right.numel() > 1:
                 return ca.dot(left, right)
+            case "*" if left.is_column() and left.numel() > 1 and right.numel() > 1:
+                return ca.mtimes(left.T, right).T
             case "*" if left.numel() > 1 and right.numel() > 1:
                 return ca.mtimes(left, right)
             case "*" | ".*":
@@ -286,6 +291,8 @@ class Evaluator:
             return _reduce(lambda a, b: a * b, ca.vertsplit(ca.vec(self(arguments[0]))))
         if name == "transpose":
             return self(arguments[0]).T
+        if name in _CONSTRUCTORS:
+            return _CONSTRUCTORS[name](*(self(argument) for argument in arguments))
         if name in ("zeros", "ones", "fill"):
             sizes = arguments[1:] if name == "fill" else arguments
             shape = [self._indices(size)[0] for size in sizes]
@@ -294,14 +301,36 @@ class Evaluator:
         reason = "is not supported" if name in _NOT_SUPPORTED else "is not known"
         raise self.error(f"{name}() {reason}", node)
 
+    def _call_size(self, node: Call) -> SX:
+        array = node.arguments[0]
+        if isinstance(array, Reference) and not array.subscripts and array.name in self.symbols.flat.variables:
+            sizes: tuple[int, ...] = self.symbols.flat.variables[array.name].dimensions
+        else:
+            value = self(array)
+            sizes = (value.shape[0],) if value.is_column() else value.shape
+        if len(node.arguments) == 1:
+            return ca.vertcat(SX(0, 1), *sizes)
+        dimension = self._indices(node.arguments[1])[0]
+        if not 1 <= dimension <= len(sizes):
+            raise self.error(f"{render(node)}: there is no such dimension", node)
+        return SX(sizes[dimension - 1])
+
+    def _call_identity(self, node: Call) -> SX:
+        return SX.eye(self._indices(node.arguments[0])[0])
+
+    def _call_linspace(self, node: Call) -> SX:
+        first, last = self(node.arguments[0]), self(node.arguments[1])
+        count = self._indices(node.arguments[2])[0]
+        return ca.vertcat(*(first + (last - first) * k / (count - 1) for k in range(count)))
+
     def _call_cat(self, node: Call) -> SX:
         dimension = self._indices(node.arguments[0])[0]
         parts = [self(argument) for argument in node.arguments[1:]]
         return ca.vertcat(*parts) if dimension == 1 else ca.horzcat(*parts)
 
     def _call_der(self, node: Call) -> SX:
-        if self.mode is not Mode.CONTINUOUS:
-            raise self.error("der() has no place here", node)
+        if self.mode is Mode.PARAMETER:
+            raise self.error("der() has no place in a parameter's value or a start", node)
         system = self.symbols.system
         value = self(node.arguments[0])
         result = ca.jacobian(ca.vec(value), system.time)
