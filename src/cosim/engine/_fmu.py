@@ -18,7 +18,7 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 from fmpy.model_description import ModelDescription
 
-from cosim.engine._variable import Variable, variable_of
+from cosim.engine._variable import Variable, left_out, variable_of
 from cosim.errors import FmuError
 
 _CAPABILITIES = (
@@ -44,8 +44,8 @@ class Fmu:
     """A Co-Simulation FMU (FMI 2.0 or 3.0), unpacked once into a temporary folder.
 
     ``path`` is the file, ``name`` the model's name, ``fmi_version`` "2.0" or "3.0", ``sha256`` the file's hash,
-    ``variables`` all scalar variables by name (arrays, binaries and clocks are left out), ``capabilities`` the
-    attributes of the CoSimulation element and ``platforms``, the names of the folders with binaries.
+    ``variables`` all scalar variables by name, ``left_out`` what the others are ("an array", "a Binary", "a Clock"),
+    ``capabilities`` the attributes of the CoSimulation element and ``platforms``, the folders with binaries.
 
     ``fmi_types`` holds each variable's type in the FMU ("Float64", "Int32", ...), ``dependencies`` the inputs that each
     output depends on directly, None where the model description does not say.
@@ -63,6 +63,7 @@ class Fmu:
     has_event_mode: bool
     capabilities: dict[str, object]
     fmi_types: dict[str, str]
+    left_out: dict[str, str]
     dependencies: dict[str, frozenset[str] | None]
     has_continuous_states: bool
     log_categories: tuple[str, ...]
@@ -79,9 +80,12 @@ class Fmu:
         self.capabilities["platforms"] = platforms
         self.variables = {}
         self.fmi_types = {}
+        self.left_out = {}
         for described in description.modelVariables:
             variable = variable_of(described)
-            if variable is not None:
+            if variable is None:
+                self.left_out[described.name] = left_out(described) or "of an unknown type"
+            else:
                 self.variables[variable.name] = variable
                 self.fmi_types[variable.name] = described.type
         self.dependencies = {

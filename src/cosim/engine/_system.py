@@ -116,6 +116,9 @@ def _find(by_name: dict[str, Component], end: tuple[str, str], causality: str) -
         )
     variable = component.fmu.variables.get(variable_name)
     if variable is None:
+        if variable_name in component.fmu.left_out:
+            what = component.fmu.left_out[variable_name]
+            raise FmuError(f"{dotted(end)}: is {what}; only single numbers can be exchanged: export each on its own")
         names = [v.name for v in component.fmu.variables.values() if v.causality == causality]
         raise FmuError(
             f"{dotted(end)}: {component.fmu.name} has no {causality} {variable_name}; its {causality}s are "

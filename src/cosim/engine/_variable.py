@@ -39,10 +39,17 @@ def type_of(fmi_type: str) -> str | None:
     return "Integer" if fmi_type.startswith(("Int", "UInt")) else None
 
 
+def left_out(described: ModelVariable) -> str | None:
+    """Return what a variable is that cannot be exchanged or set: "an array", "a Binary", "a Clock"; else None."""
+    if described.shape or described.dimensions:
+        return "an array"
+    return f"a {described.type}" if type_of(described.type) is None else None
+
+
 def variable_of(described: ModelVariable) -> Variable | None:
     """Return the variable that fmpy read, or None for what is no scalar (arrays, binaries, clocks)."""
     kind = type_of(described.type)
-    if kind is None or described.shape:
+    if kind is None or left_out(described):
         return None
     declared = described.declaredType
     return Variable(
