@@ -74,7 +74,7 @@ def without_names(code: str) -> str:
     )
 
 
-@pytest.mark.parametrize("salt", ["first", "second"])
+@pytest.mark.parametrize("salt", ["first", pytest.param("second", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "model",
     [

@@ -35,6 +35,8 @@ MESSAGES = {
     "EquationTooMany": "4:3: EquationTooMany has 2 equations for 1 unknown: too many equations in: der(x) = -x, x = 2",
     "ForbiddenState": "3:3: y has StateSelect.always but cannot be a state together with the others; its constraints"
     " leave no freedom for it",
+    "FreeParameter": "2:13: the parameter p has fixed=false, but initial equations cannot find parameters here;"
+    " give it a value",
     "InputDerivative": "5:10: y equals the input x, whose derivative would be needed; pass the input through a filter",
     "MissingEquation": "2:3: MissingEquation has 1 equation for 2 unknowns: not enough equations for x, force",
     "NoUnit": f"2:3: x: 'grumble/s' is not a unit; {UNITS}",

@@ -187,7 +187,10 @@ class Evaluator:
             picks.append([index - 1 for index in indices])
         if len(picks) == 1:
             return value[picks[0], :]
-        return value[picks[0], picks[1]]
+        picked = value[picks[0], picks[1]]
+        # a row taken out of a matrix is a vector, and vectors are columns
+        row = node.subscripts[0] is not None and not isinstance(node.subscripts[0], Range) and len(picks[0]) == 1
+        return picked.T if row and picked.numel() > 1 else picked
 
     def _indices(self, node: Expression) -> list[int]:
         """The integers of a subscript or a loop range, which must be known when compiling."""

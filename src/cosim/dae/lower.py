@@ -96,6 +96,12 @@ def _parameters(symbols: Symbols) -> None:
     expressions: dict[str, Expression] = {}
     for variable in declared.values():
         expression = variable.binding if variable.binding is not None else variable.start
+        if variable.fixed is False:
+            raise flat.source.error(
+                f"the parameter {variable.name} has fixed=false, but initial equations cannot find parameters here;"
+                " give it a value",
+                variable.at,
+            )
         if expression is None:
             raise flat.source.error(f"the parameter {variable.name} has no value; give it one", variable.at)
         expressions[variable.name] = expression
