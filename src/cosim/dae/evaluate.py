@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import casadi as ca
 
@@ -122,14 +123,14 @@ class Evaluator:
                     return ca.logic_not(inner)
                 return -inner if operator == "-" else inner
             case Binary():
-                return self._binary(expression)
+                return self._fitting(self._binary, expression)
             case If(branches=branches, otherwise=otherwise):
                 result = self(otherwise)
                 for condition, branch in reversed(branches):
                     result = ca.if_else(self(condition), self(branch), result)
                 return result
             case Call():
-                return self._call(expression)
+                return self._fitting(self._call, expression)
             case Array(elements=elements):
                 values = [self(element) for element in elements]
                 return ca.vertcat(*(v.T if v.numel() > 1 and v.is_column() else v for v in values))
@@ -142,6 +143,12 @@ class Evaluator:
     def error(self, message: str, expression: Expression) -> ModelError:
         """An error at the place of an expression."""
         return self.symbols.flat.source.error(message, expression.at)
+
+    def _fitting(self, evaluate: Callable[[Any], SX], expression: Binary | Call) -> SX:
+        try:
+            return evaluate(expression)
+        except (RuntimeError, NotImplementedError) as error:  # CasADi's, for shapes that do not fit
+            raise self.error(f"{render(expression)}: arrays of these shapes do not go together", expression) from error
 
     # names
 
