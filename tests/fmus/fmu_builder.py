@@ -20,7 +20,10 @@ _FMI2_TYPES = {kind: "Integer" for kind in _KINDS if "Int" in kind} | {"Float64"
 
 @dataclass(frozen=True)
 class Described:
-    """A variable of a test FMU; ``depends`` are the inputs an output depends on directly, None for unknown."""
+    """A variable of a test FMU; ``depends`` are the inputs an output depends on directly, None for unknown.
+
+    ``size`` is that of an array, in FMI 3 only.
+    """
 
     name: str
     reference: int
@@ -30,6 +33,7 @@ class Described:
     start: str | None = None
     unit: str | None = None
     depends: tuple[str, ...] | None = ()
+    size: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -101,7 +105,18 @@ MIRROR = Model(
     ),
     literals=("left", "middle", "right"),
 )
-MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR)}
+VECTOR = Model(
+    "vector",
+    (
+        Described("last", 1, "output", unit="m"),
+        Described("u", 10, "input", start="0.5 1.5 2.5", unit="m", size=(3,)),
+        Described("K", 20, "parameter", "fixed", start="1", size=(3, 1)),
+        Described("y", 30, "output", unit="m", size=(3,)),
+        Described("n", 40, "input", "discrete", "Int16", start="0", size=(3,)),
+        Described("m", 50, "output", "discrete", "Int16", size=(3,)),
+    ),
+)
+MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR)}
 
 
 def build(model: Model, fmi: int, folder: Path) -> Path:
@@ -153,7 +168,8 @@ def _description3(model: Model) -> str:
     for v in model.variables:
         declared = ' declaredType="Choice"' if v.type == "Enumeration" else ""
         attributes = _attributes(v, "name", "causality", "variability", "start", "unit")
-        lines.append(f'<{v.type} valueReference="{v.reference}" {attributes}{declared}/>')
+        sizes = "".join(f'<Dimension start="{size}"/>' for size in v.size)
+        lines.append(f'<{v.type} valueReference="{v.reference}" {attributes}{declared}>{sizes}</{v.type}>')
     outputs, unknowns = [], []
     references = {v.name: str(v.reference) for v in model.variables}
     for v in model.variables:

@@ -13,7 +13,10 @@
 #define OK 0
 #define DISCARD 2
 #define ERROR 3
-#define ROOM 32
+#define ROOM 64
+#ifndef LENGTH
+#define LENGTH(reference) 1 /* the number of values that a reference stands for */
+#endif
 
 typedef struct {
     double v[ROOM];
@@ -132,16 +135,19 @@ fmi3Status fmi3EnterStepMode(fmi3Instance c) { return fmi3OK; }
 fmi3Status fmi3Terminate(fmi3Instance c) { return fmi3OK; }
 fmi3Status fmi3Reset(fmi3Instance c) { return fmi3OK; }
 
+#define EACH(body)                                                                                                  \
+    size_t k = 0;                                                                                                   \
+    for (size_t i = 0; i < n; i++)                                                                                  \
+        for (int j = 0; j < LENGTH(vr[i]); j++, k++) body;                                                          \
+    return k == nv ? fmi3OK : fmi3Error;
 #define ACCESS(Type, type)                                                                                          \
     fmi3Status fmi3Get##Type(fmi3Instance c, const fmi3ValueReference vr[], size_t n, type value[], size_t nv) {   \
         outputs(c);                                                                                                 \
-        for (size_t i = 0; i < n; i++) value[i] = (type)((Model *)c)->v[vr[i]];                                     \
-        return fmi3OK;                                                                                              \
+        EACH(value[k] = (type)((Model *)c)->v[vr[i] + j])                                                           \
     }                                                                                                               \
     fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const type value[],          \
                              size_t nv) {                                                                           \
-        for (size_t i = 0; i < n; i++) ((Model *)c)->v[vr[i]] = (double)value[i];                                   \
-        return fmi3OK;                                                                                              \
+        EACH(((Model *)c)->v[vr[i] + j] = (double)value[k])                                                         \
     }
 ACCESS(Float64, fmi3Float64)
 ACCESS(Float32, fmi3Float32)

@@ -76,8 +76,7 @@ def _traced(
         trace.begin(plan, {channel.target: channel.times for channel in system.channels})
         try:
             for name, instance in instances.items():
-                for parameter, value in parameters[name].items():
-                    instance.set_value(parameter, value)
+                instance.set_values(parameters[name])
             initialize(plan, tolerance, stop)
             with suppress(Enough):
                 if step is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import os
 import shutil
 import tempfile
@@ -18,7 +19,7 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 from fmpy.model_description import ModelDescription
 
-from cosim.engine._variable import Variable, left_out, variable_of
+from cosim.engine._variable import Variable, left_out, names_of, variables_of
 from cosim.errors import FmuError
 
 _CAPABILITIES = (
@@ -44,7 +45,7 @@ class Fmu:
     """A Co-Simulation FMU (FMI 2.0 or 3.0), unpacked once into a temporary folder.
 
     ``path`` is the file, ``name`` the model's name, ``fmi_version`` "2.0" or "3.0", ``sha256`` the file's hash,
-    ``variables`` all scalar variables by name, ``left_out`` what the others are ("an array", "a Binary", "a Clock"),
+    ``variables`` all scalar variables and elements of arrays by name, ``left_out`` what the others are ("a Binary"),
     ``capabilities`` the attributes of the CoSimulation element and ``platforms``, the folders with binaries.
 
     ``fmi_types`` holds each variable's type in the FMU ("Float64", "Int32", ...), ``dependencies`` the inputs that each
@@ -82,17 +83,18 @@ class Fmu:
         self.fmi_types = {}
         self.left_out = {}
         for described in description.modelVariables:
-            variable = variable_of(described)
-            if variable is None:
-                self.left_out[described.name] = left_out(described) or "of an unknown type"
-            else:
+            what = left_out(described)
+            if what is not None:
+                self.left_out[described.name] = what
+            for variable in variables_of(described):
                 self.variables[variable.name] = variable
                 self.fmi_types[variable.name] = described.type
         self.dependencies = {
-            unknown.variable.name: None
+            name: None
             if unknown.dependencies is None
-            else frozenset(known.name for known in unknown.dependencies)
+            else frozenset(itertools.chain.from_iterable(map(names_of, unknown.dependencies)))
             for unknown in description.outputs
+            for name in names_of(unknown.variable)
         }
         self.has_continuous_states = bool(description.derivatives)
         self.log_categories = tuple(category.name for category in description.logCategories)

@@ -9,14 +9,14 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from ctypes import Array, addressof, c_bool, c_double, c_int, c_size_t, c_uint, c_uint32, c_uint64, c_void_p, cast
 from functools import partial
-from typing import ClassVar, NamedTuple, NoReturn
+from typing import Any, ClassVar, NamedTuple, NoReturn
 
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Terminated
 
 from cosim.engine._fmu import Fmu
 from cosim.engine._log import FAILED, STATUS, Log, fmi2_callbacks
-from cosim.engine._variable import Value
+from cosim.engine._variable import Value, Variable
 from cosim.errors import FmuError
 
 Call = Callable[[], int]
@@ -32,13 +32,14 @@ UPDATE_NEEDED, UPDATE_TERMINATES, NEXT_EVENT_DEFINED = 0x1, 0x100, 0x100000000
 class Access(NamedTuple):
     """A call that reads or sets variables of one FMI type, and what it is made of.
 
-    ``function`` is its name without the prefix "fmi2", ``references`` are the value references and ``address`` is the
-    memory that it fills or reads.
+    ``function`` is its name without the prefix "fmi2", ``references`` are the value references, ``length`` is the
+    number of values (arrays have several to a reference) and ``address`` the memory that it fills or reads.
     """
 
     call: Call
     function: str
     references: Array[c_uint]
+    length: int
     address: int
 
 
@@ -100,14 +101,19 @@ class Instance(ABC):
     @abstractmethod
     def _bind_calls(self) -> None: ...
 
-    def access(self, verb: str, fmi_type: str, references: Sequence[int], address: int) -> Access:
-        """Bind the function that gets ("Get") or sets ("Set") variables of one FMI type; they lie at ``address``."""
-        count = len(references)
-        function = f"{verb}{self.accessed_as(fmi_type)}"
-        referred = (c_uint * count)(*references)
-        sizes = [c_size_t(count)] if self.tells_size else []
-        call = self._bind(self.symbol(function), referred, c_size_t(count), c_void_p(address), *sizes)
-        return Access(call, function, referred, address)
+    def access(self, verb: str, names: Sequence[str], address: int) -> Access:
+        """Bind the function that gets ("Get") or sets ("Set") variables of one FMI type; they lie at ``address``.
+
+        Of an array all elements have to be there, in a row.
+        """
+        variables = [self.fmu.variables[name] for name in names]
+        own = [v for v, last in zip(variables, [None, *variables], strict=False) if _has_own_reference(v, last)]
+        references = [variable.value_reference for variable in own]
+        function = f"{verb}{self.accessed_as(self.fmu.fmi_types[names[0]])}"
+        referred = (c_uint * len(references))(*references)
+        sizes = [c_size_t(len(names))] if self.tells_size else []
+        call = self._bind(self.symbol(function), referred, c_size_t(len(references)), c_void_p(address), *sizes)
+        return Access(call, function, referred, len(names), address)
 
     @abstractmethod
     def set_string(self, reference: int, value: str) -> None:
@@ -143,24 +149,38 @@ class Instance(ABC):
         """Return the type whose functions read and set variables of an FMI type."""
         return self.enumeration_type if fmi_type == "Enumeration" else fmi_type
 
-    def set_value(self, name: str, value: Value) -> None:
-        """Set one variable by name, before or in Initialization Mode."""
-        variable, fmi_type = self.fmu.variables[name], self.fmu.fmi_types[name]
-        if isinstance(value, str):
-            self.once(f"SetString({name})", partial(self.set_string, variable.value_reference, value))
-            return
-        try:
-            buffer = array(self.type_codes[fmi_type], [value if variable.type == "Real" else int(value)])
-        except OverflowError as error:
-            raise FmuError(f"{self.name}.{name}: {value} does not fit; it is an {fmi_type}") from error
-        access = self.access("Set", fmi_type, [variable.value_reference], buffer.buffer_info()[0])
-        self.check(f"{access.function}({name})", access.call())
+    def set_values(self, values: dict[str, Value]) -> None:
+        """Set variables before Initialization Mode; elements of an array that are not named keep their start values."""
+        for name, value in values.items():
+            variable = self.fmu.variables[name]
+            if isinstance(value, str):
+                self.once(f"SetString({name})", partial(self.set_string, variable.value_reference, value))
+            elif variable.array is None:
+                self._set({name: value})
+            else:
+                elements = [v for v in self.fmu.variables.values() if v.array == variable.array]
+                self._set({v.name: values.get(v.name, v.start) for v in elements})
+
+    def _set(self, values: dict[str, Value | None]) -> None:
+        """Set a scalar, or all elements of an array."""
+        names = list(values)
+        fmi_type = self.fmu.fmi_types[names[0]]
+        code = self.type_codes[fmi_type]
+        buffer: array[Any] = array(code, [])
+        for name, value in values.items():
+            if value is None or isinstance(value, str):
+                raise FmuError(f"{self.name}.{name}: has no start value; set it, too, or no element of its array")
+            try:
+                buffer.append(value if code in "df" else int(value))
+            except OverflowError as error:
+                raise FmuError(f"{self.name}.{name}: {value} does not fit; it is an {fmi_type}") from error
+        access = self.access("Set", names, buffer.buffer_info()[0])
+        self.check(f"{access.function}({', '.join(names)})", access.call())
 
     def get_value(self, name: str) -> float:
         """Return one number by name."""
-        variable, fmi_type = self.fmu.variables[name], self.fmu.fmi_types[name]
-        buffer = array(self.type_codes[fmi_type], [0])
-        access = self.access("Get", fmi_type, [variable.value_reference], buffer.buffer_info()[0])
+        buffer = array(self.type_codes[self.fmu.fmi_types[name]], [0])
+        access = self.access("Get", [name], buffer.buffer_info()[0])
         self.check(f"{access.function}({name})", access.call())
         return buffer[0]
 
@@ -286,6 +306,11 @@ class Fmi3Instance(Instance):
         """Call fmi3EnterInitializationMode."""
         enter = partial(self._slave.enterInitializationMode, tolerance=tolerance, startTime=0.0, stopTime=stop)
         self.once("EnterInitializationMode", enter)
+
+
+def _has_own_reference(variable: Variable, last: Variable | None) -> bool:
+    """Tell whether a variable needs a reference of its own after the last one: an array has one for all elements."""
+    return variable.array is None or last is None or last.array != variable.array
 
 
 def instantiate(name: str, fmu: Fmu, event_mode: bool) -> Instance:

@@ -137,7 +137,7 @@ class Participant:
             if status >= FAILED:
                 self.instance.check(access.function, status)
             if buffer is not None:
-                for i in range(len(access.references)):
+                for i in range(access.length):
                     self.values[start + i] = buffer[i]
         self.stale = not recording
 

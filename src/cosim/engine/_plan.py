@@ -1,6 +1,7 @@
 """The flat tables that the loop runs over: one vector of signals, one of inputs, and groups of variables in them.
 
-Signals (``values``), in this order: the outputs of all components, the channels, and the middles of linear channels.
+Signals (``values``), in this order: the outputs of all components, the channels, the middles of linear channels, and
+a zero, from which the elements of arrays that nothing drives take their start values.
 The first ``recorded`` of them are the columns of the result. Each group of Float64 variables lies in one piece, so
 that the FMU reads and writes the doubles of these vectors themselves; other types go through a buffer. In a group of
 outputs those that drive something come first, so that between the rows of the result only they are read.
@@ -59,10 +60,12 @@ def make_plan(
 ) -> Plan:
     """Lay out the signals of a checked system and bind the calls of its instances; ``kind`` makes the participants."""
     signals, columns, recorded, total = _lay_out(system)
-    values = array("d", bytes(8 * total))
-    inputs = array("d", bytes(8 * (len(system.connections) + len(system.channels))))
+    values = array("d", bytes(8 * (total + 1)))
     holds, lines = _channel_signals(system, signals, values, total)
     wires = _sources(system, signals, roles, lines)
+    for component in system.components:
+        wires |= _idle_elements(component, wires, zero=total)
+    inputs = array("d", bytes(8 * len(wires)))
     taken = {connection.source for connection in system.connections}
     participants: dict[str, Participant] = {}
     free = 0
@@ -114,7 +117,15 @@ def _by_type(component: Component, names: list[str]) -> dict[str, list[str]]:
 def _outputs(component: Component, taken: set[tuple[str, str]]) -> dict[str, list[str]]:
     """Return the recorded outputs by FMI type, in each those first that drive something."""
     names = _recorded_outputs(component)
-    return _by_type(component, sorted(names, key=lambda name: (component.name, name) not in taken))
+    return _by_type(component, sorted(names, key=lambda name: not _is_taken(component, name, taken)))
+
+
+def _is_taken(component: Component, name: str, taken: set[tuple[str, str]]) -> bool:
+    """Tell whether an output, or another element of its array, drives something."""
+    array_name = component.fmu.variables[name].array
+    if array_name is None:
+        return (component.name, name) in taken
+    return any(owner == component.name and component.fmu.variables[n].array == array_name for owner, n in taken)
 
 
 def _lay_out(system: System) -> tuple[dict[tuple[str, str], int], dict[str, int], int, int]:
@@ -177,6 +188,19 @@ def _sources(
     return sources
 
 
+def _idle_elements(
+    component: Component, sources: dict[tuple[str, str], _Source], zero: int
+) -> dict[tuple[str, str], _Source]:
+    """Return the elements of arrays, other elements of which are driven: they are set with them, to their start."""
+    variables = component.fmu.variables.values()
+    arrays = {v.array for v in variables if v.array is not None and (component.name, v.name) in sources}
+    return {
+        (component.name, v.name): (zero, 1.0, float(v.start or 0.0))
+        for v in variables
+        if v.array in arrays and (component.name, v.name) not in sources
+    }
+
+
 def _input_groups(
     component: Component,
     instance: Instance,
@@ -189,8 +213,7 @@ def _input_groups(
     for fmi_type, names in _by_type(component, driven).items():
         wires = tuple(Wire(target, *sources[component.name, name]) for target, name in enumerate(names, free))
         buffer, address = _memory(instance, fmi_type, inputs, free, len(names))
-        references = [component.fmu.variables[name].value_reference for name in names]
-        access = instance.access("Set", fmi_type, references, address)
+        access = instance.access("Set", names, address)
         groups.append(InputGroup(fmi_type, access, free, buffer, wires, tuple(names)))
         free += len(names)
     return tuple(groups)
@@ -207,10 +230,9 @@ def _output_groups(
     for fmi_type, names in _outputs(component, taken).items():
         start = signals[component.name, names[0]]
         buffer, address = _memory(instance, fmi_type, values, start, len(names))
-        references = [component.fmu.variables[name].value_reference for name in names]
-        count = sum((component.name, name) in taken for name in names)
-        whole = instance.access("Get", fmi_type, references, address)
-        connected = instance.access("Get", fmi_type, references[:count], address) if count else None
+        connected_names = [name for name in names if _is_taken(component, name, taken)]
+        whole = instance.access("Get", names, address)
+        connected = instance.access("Get", connected_names, address) if connected_names else None
         groups.append(OutputGroup(fmi_type, whole, connected, start, buffer))
     return tuple(groups)
 

@@ -70,8 +70,7 @@ def simulate(
         started = time.perf_counter()
         try:
             for name, instance in instances.items():
-                for parameter, value in parameters[name].items():
-                    instance.set_value(parameter, value)
+                instance.set_values(parameters[name])
             initialize(plan, tolerance, stop)
             started = time.perf_counter()
             if library is not None:

@@ -24,7 +24,7 @@ class _Wire(Structure):
 class _Group(Structure):
     _fields_ = [
         *((name, c_void_p) for name in ("access", "references", "memory", "doubles", "wires")),
-        *((name, c_int64) for name in ("count", "connected")),
+        *((name, c_int64) for name in ("count", "connected", "n_references", "n_connected")),
         *((name, c_int32) for name in ("type", "number")),
     ]
 
@@ -177,6 +177,7 @@ class Tables:
             doubles=self._inputs + 8 * group.start,
             wires=self._keep((_Wire * len(group.wires))(*map(_wire, group.wires))),
             count=len(group.wires),
+            n_references=len(group.access.references),
             type=_TYPES[participant.instance.type_codes[group.fmi_type]],
             number=number,
         )
@@ -188,8 +189,10 @@ class Tables:
             references=addressof(group.whole.references),
             memory=group.whole.address,
             doubles=self._values + 8 * group.start,
-            count=len(group.whole.references),
-            connected=len(group.connected.references) if group.connected else 0,
+            count=group.whole.length,
+            connected=group.connected.length if group.connected else 0,
+            n_references=len(group.whole.references),
+            n_connected=len(group.connected.references) if group.connected else 0,
             type=_TYPES[participant.instance.type_codes[group.fmi_type]],
             number=number,
         )

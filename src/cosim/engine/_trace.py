@@ -121,7 +121,7 @@ class Trace:
     def born(self, participant: Participant, t: float) -> None:
         """Note that the outputs of a component are now those at t [s]."""
         for group in participant.output_groups:
-            for slot in range(group.start, group.start + len(group.whole.references)):
+            for slot in range(group.start, group.start + group.whole.length):
                 self._born[slot] = Birth(t, self._count)
 
     def _go_on(self, t: float) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 from fmpy.model_description import ModelVariable
@@ -12,11 +13,12 @@ Value = float | int | bool | str
 
 @dataclass(frozen=True)
 class Variable:
-    """What the model description says of one scalar variable.
+    """What the model description says of one scalar variable or one element of an array.
 
     ``type`` is "Real", "Integer", "Boolean", "Enumeration" or "String", whatever the width in the FMU. ``unit`` is in
     FMI's grammar, None if the FMU gives none. ``literals`` holds the names of an enumeration, literal ``i`` (from 0)
     belonging to the value ``i + 1``; it is None for other types and for an enumeration that is numbered otherwise.
+    ``array`` is the name of the array (FMI 3.0) that it is an element of; all elements have its value reference.
     """
 
     name: str
@@ -28,6 +30,7 @@ class Variable:
     start: Value | None
     value_reference: int
     literals: tuple[str, ...] | None
+    array: str | None = None
 
 
 def type_of(fmi_type: str) -> str | None:
@@ -40,29 +43,48 @@ def type_of(fmi_type: str) -> str | None:
 
 
 def left_out(described: ModelVariable) -> str | None:
-    """Return what a variable is that cannot be exchanged or set: "an array", "a Binary", "a Clock"; else None."""
-    if described.shape or described.dimensions:
-        return "an array"
-    return f"a {described.type}" if type_of(described.type) is None else None
+    """Return what a variable is that can neither be exchanged nor set ("a Binary", "a Clock"); None for the others."""
+    kind = type_of(described.type)
+    if kind == "String" and described.shape:
+        return "an array of String"
+    return f"a {described.type}" if kind is None else None
 
 
-def variable_of(described: ModelVariable) -> Variable | None:
-    """Return the variable that fmpy read, or None for what is no scalar (arrays, binaries, clocks)."""
+def names_of(described: ModelVariable) -> list[str]:
+    """Return the name of a scalar, or those of an array's elements: "u[1]", "A[2,1]", the last index running first."""
+    if not described.shape:
+        return [described.name]
+    indices = itertools.product(*(range(1, size + 1) for size in described.shape))
+    return [f"{described.name}[{','.join(map(str, index))}]" for index in indices]
+
+
+def variables_of(described: ModelVariable) -> list[Variable]:
+    """Return the variable that fmpy read, or the elements of an array; none for what is left out."""
     kind = type_of(described.type)
     if kind is None or left_out(described):
-        return None
+        return []
     declared = described.declaredType
-    return Variable(
-        name=described.name,
-        type=kind,
-        causality=described.causality,
-        variability=described.variability,
-        unit=described.unit or (declared.unit if declared else None),
-        description=described.description,
-        start=_start_of(kind, described.start),
-        value_reference=described.valueReference,
-        literals=_literals_of(described) if kind == "Enumeration" else None,
-    )
+    names = names_of(described)
+    starts: list[str | None] = [described.start]
+    if described.shape and described.start is not None:
+        starts = [*described.start.split()]
+    if len(starts) == 1:
+        starts *= len(names)
+    return [
+        Variable(
+            name=name,
+            type=kind,
+            causality=described.causality,
+            variability=described.variability,
+            unit=described.unit or (declared.unit if declared else None),
+            description=described.description,
+            start=_start_of(kind, start),
+            value_reference=described.valueReference,
+            literals=_literals_of(described) if kind == "Enumeration" else None,
+            array=described.name if described.shape else None,
+        )
+        for name, start in zip(names, starts, strict=True)
+    ]
 
 
 def _start_of(kind: str, text: str | None) -> Value | None:

@@ -9,12 +9,13 @@
 typedef Status (*Access2)(void *, const ValueReference *, size_t, void *);
 typedef Status (*Access3)(void *, const ValueReference *, size_t, void *, size_t);
 
-static bool call(Engine *engine, const Component *component, const Group *group, int64_t count) {
-    const size_t n = (size_t)count;
+static bool call(Engine *engine, const Component *component, const Group *group, bool whole) {
+    const size_t n = (size_t)(whole ? group->n_references : group->n_connected);
+    const size_t n_values = (size_t)(whole ? group->count : group->connected);
     const Status status =
         component->fmi == 2
             ? ((Access2)group->access)(component->instance, group->references, n, group->memory)
-            : ((Access3)group->access)(component->instance, group->references, n, group->memory, n);
+            : ((Access3)group->access)(component->instance, group->references, n, group->memory, n_values);
     if (status < FAILED) return true;
     engine->failure.function = ACCESS;
     engine->failure.group = group->number;
@@ -85,7 +86,7 @@ bool write_inputs(Engine *engine, Component *component) {
                 changed = true;
             }
         }
-        if (changed && !(store(engine, component, group) && call(engine, component, group, group->count))) return false;
+        if (changed && !(store(engine, component, group) && call(engine, component, group, true))) return false;
     }
     return true;
 }
@@ -94,7 +95,7 @@ bool read_outputs(Engine *engine, Component *component, bool recording) {
     for (const Group *group = component->outputs; group < component->outputs + component->n_outputs; group++) {
         const int64_t count = recording ? group->count : group->connected;
         if (count == 0) continue;
-        if (!call(engine, component, group, count)) return false;
+        if (!call(engine, component, group, recording)) return false;
         load(group, count);
     }
     component->stale = !recording;

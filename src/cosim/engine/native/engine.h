@@ -43,6 +43,7 @@ typedef struct {
     const Wire *wires;  /* one per variable; inputs only */
     int64_t count;
     int64_t connected;  /* the first of these outputs drive something, the others are only recorded */
+    int64_t n_references, n_connected; /* for both counts: an array has one reference for all its elements */
     int32_t type;
     int32_t number;     /* its place among all groups, for the record of a failure */
 } Group;
