@@ -134,7 +134,7 @@ shunt = st.lists(component, max_size=2)
 ladders = st.lists(st.tuples(series, shunt), min_size=1, max_size=4)
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(ladders)
 def test_a_random_ladder_has_the_transfer_functions_of_its_nodal_equations(
     tmp_path: Path, sections: list[Section]
@@ -149,7 +149,7 @@ def test_a_random_ladder_has_the_transfer_functions_of_its_nodal_equations(
         assert ours == pytest.approx(by_nodes(parts, nodes, s), rel=1e-8, abs=1e-10)
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.tuples(st.floats(0.1, 10), st.floats(0.1, 10)), min_size=1, max_size=6))
 def test_an_rc_ladder_steps_as_the_matrix_exponential_says(tmp_path: Path, values: list[tuple[float, float]]) -> None:
     parts, nodes = network([([("R", r)], [("C", c)]) for r, c in values])
