@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hybrid.h"
+#include "simulation.h"
 
 enum {
     MAX_PASSES = 100,       /* of an event iteration */
@@ -97,16 +97,6 @@ void simulation_relations(const Simulation *m, double t, const double *v, double
 {
     const State *s = &m->s;
     if (MODEL_NG > 0) model_indicators(t, v, s->u, s->p, s->d, s->c, g);
-}
-
-const char *simulation_changing_relations(const Simulation *m, char *text, size_t size)
-{
-    size_t used = 0;
-    text[0] = '\0';
-    for (int k = 0; k < MODEL_NG && used < size; k++)
-        if (m->changing[k])
-            used += (size_t)snprintf(text + used, size - used, "%s'%s'", used ? ", " : "", model_relation_texts[k]);
-    return text;
 }
 
 /* Bring c up to date; returns how many relations changed. */

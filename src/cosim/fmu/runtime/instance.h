@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-#include "hybrid.h"
+#include "simulation.h"
 
 enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR };
 

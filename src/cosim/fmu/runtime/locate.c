@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "hybrid.h"
+#include "simulation.h"
 
 /* The whole step is looked at through these points; between them through the cubic that they define. */
 enum { SAMPLES = 4 };

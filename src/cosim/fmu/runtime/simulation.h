@@ -4,8 +4,8 @@
  *
  * Functions that can fail return 0 for failure, with the reason in message.
  */
-#ifndef COSIM_HYBRID_H
-#define COSIM_HYBRID_H
+#ifndef COSIM_SIMULATION_H
+#define COSIM_SIMULATION_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -2,25 +2,15 @@
  *
  * The way from one instant to another: integration, what stops it, and the values an importer sees.
  */
-#include "hybrid.h"
+#include "simulation.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 /* A model that changes direction faster than this many times in this many seconds is chattering. */
 enum { BURST_EVENTS = 1000 };
 static const double BURST_DURATION = 1e-5;
-
-int simulation_fail(Simulation *m, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(m->message, sizeof m->message, format, arguments);
-    va_end(arguments);
-    return 0;
-}
 
 static Held held(const State *s)
 {
@@ -45,24 +35,6 @@ void simulation_changed(Simulation *m, int parameters)
     if (parameters) model_parameters(m->s.p);
     m->s.event_due = 1;
     m->have = 0;
-}
-
-int simulation_check_assertions(Simulation *m)
-{
-    if (MODEL_NA == 0) return 1;
-    State *s = &m->s;
-    int k = model_violated_assertion(s->t, s->v, s->u, s->p, s->d, s->c);
-    if (k < 0 || k >= MODEL_NA) return 1;
-    if (model_assertion_is_error[k])
-        return simulation_fail(m, "At t = %.9g s an assertion of the model is violated: %s", s->t,
-                               model_assertion_messages[k]);
-    if (!s->warned[k] && m->log) {
-        char text[1024];
-        snprintf(text, sizeof text, "At t = %.9g s: %s", s->t, model_assertion_messages[k]);
-        m->log(m->log_context, LOG_WARNING, text);
-    }
-    s->warned[k] = 1;
-    return 1;
 }
 
 static int step_is_too_small(Simulation *m, double h, int not_a_number)
