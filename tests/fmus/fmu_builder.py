@@ -116,7 +116,17 @@ VECTOR = Model(
         Described("m", 50, "output", "discrete", "Int16", size=(3,)),
     ),
 )
-MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR)}
+LABEL = Model(
+    "label",
+    (
+        Described("u", 1, "input", "discrete", "String", start="nothing"),
+        Described("y", 2, "output", "discrete", "String"),
+        Described("name", 3, "parameter", "fixed", "String", start="step"),
+        Described("heard", 10, "output", unit="m"),
+        Described("set", 11, "output", "discrete", "Int32"),
+    ),
+)
+MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL)}
 
 
 def build(model: Model, fmi: int, folder: Path) -> Path:
@@ -167,9 +177,11 @@ def _description3(model: Model) -> str:
     lines = []
     for v in model.variables:
         declared = ' declaredType="Choice"' if v.type == "Enumeration" else ""
-        attributes = _attributes(v, "name", "causality", "variability", "start", "unit")
-        sizes = "".join(f'<Dimension start="{size}"/>' for size in v.size)
-        lines.append(f'<{v.type} valueReference="{v.reference}" {attributes}{declared}>{sizes}</{v.type}>')
+        start = () if v.type == "String" else ("start",)
+        attributes = _attributes(v, "name", "causality", "variability", *start, "unit")
+        inner = f'<Start value="{v.start}"/>' if v.type == "String" and v.start else ""
+        inner += "".join(f'<Dimension start="{size}"/>' for size in v.size)
+        lines.append(f'<{v.type} valueReference="{v.reference}" {attributes}{declared}>{inner}</{v.type}>')
     outputs, unknowns = [], []
     references = {v.name: str(v.reference) for v in model.variables}
     for v in model.variables:

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define OK 0
 #define DISCARD 2
@@ -20,6 +21,7 @@
 
 typedef struct {
     double v[ROOM];
+    char text[4][80]; /* the first value references may be texts */
     double time;
     double next_event; /* infinite: none */
     bool terminate;
@@ -41,6 +43,11 @@ static int step(Model *m, double h);
 static void outputs(Model *m);
 /* Pass a message to the importer. */
 static void say(Model *m, const char *text);
+
+static void set_text(Model *m, unsigned reference, const char *text) {
+    snprintf(m->text[reference], sizeof m->text[reference], "%s", text);
+    m->v[reference] += 1.0;
+}
 
 #if FMI == 2
 #include "fmi2Functions.h"
@@ -85,6 +92,15 @@ const char *fmi2GetVersion(void) { return "2.0"; }
 ACCESS(Real, fmi2Real)
 ACCESS(Integer, fmi2Integer)
 ACCESS(Boolean, fmi2Boolean)
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]) {
+    for (size_t i = 0; i < n; i++) value[i] = ((Model *)c)->text[vr[i]];
+    return fmi2OK;
+}
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[]) {
+    for (size_t i = 0; i < n; i++) set_text(c, vr[i], value[i]);
+    return fmi2OK;
+}
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean final) {
     Model *m = c;
@@ -160,6 +176,15 @@ ACCESS(UInt32, fmi3UInt32)
 ACCESS(Int64, fmi3Int64)
 ACCESS(UInt64, fmi3UInt64)
 ACCESS(Boolean, fmi3Boolean)
+
+fmi3Status fmi3GetString(fmi3Instance c, const fmi3ValueReference vr[], size_t n, fmi3String value[], size_t nv) {
+    for (size_t i = 0; i < n; i++) value[i] = ((Model *)c)->text[vr[i]];
+    return n == nv ? fmi3OK : fmi3Error;
+}
+fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3String value[], size_t nv) {
+    for (size_t i = 0; i < n; i++) set_text(c, vr[i], value[i]);
+    return n == nv ? fmi3OK : fmi3Error;
+}
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *needed, fmi3Boolean *terminate, fmi3Boolean *nominals,
                                     fmi3Boolean *states, fmi3Boolean *defined, fmi3Float64 *next) {

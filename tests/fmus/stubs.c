@@ -11,8 +11,6 @@
 #define STUB(name) EXPORT int name(void) { return 3; }
 
 #if FMI == 2
-STUB(fmi2GetString)
-STUB(fmi2SetString)
 STUB(fmi2GetFMUstate)
 STUB(fmi2SetFMUstate)
 STUB(fmi2FreeFMUstate)
@@ -40,10 +38,8 @@ STUB(fmi2GetStringStatus)
 #else
 STUB(fmi3InstantiateModelExchange)
 STUB(fmi3InstantiateScheduledExecution)
-STUB(fmi3GetString)
 STUB(fmi3GetBinary)
 STUB(fmi3GetClock)
-STUB(fmi3SetString)
 STUB(fmi3SetBinary)
 STUB(fmi3SetClock)
 STUB(fmi3GetNumberOfVariableDependencies)

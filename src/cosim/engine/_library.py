@@ -13,7 +13,7 @@ import platform
 import subprocess
 import sys
 import tempfile
-from ctypes import POINTER, c_double, c_int, c_int64
+from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_int64
 from pathlib import Path
 
 from cosim.engine._tables import SIZES, Engine
@@ -105,6 +105,10 @@ def _opened(path: Path) -> ctypes.CDLL:
     library = ctypes.CDLL(str(path))
     library.cosim_run.argtypes = [POINTER(Engine), c_double]
     library.cosim_run.restype = c_int
+    library.cosim_set_text.argtypes = [POINTER(Engine), c_int64, c_char_p]
+    library.cosim_set_text.restype = c_bool
+    library.cosim_free_texts.argtypes = [POINTER(Engine)]
+    library.cosim_free_texts.restype = None
     sizes = (c_int64 * len(SIZES))()
     library.cosim_sizes(sizes)
     if tuple(sizes) != SIZES:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from array import array
 from collections.abc import Callable
 from ctypes import byref
 
@@ -24,7 +25,8 @@ _UNFINISHED, _FINISHED = 0, 1
     _WITHOUT_END,
     _NOT_A_NUMBER,
     _OUT_OF_RANGE,
-) = range(1, 9)
+    _OUT_OF_MEMORY,
+) = range(1, 10)
 _FUNCTIONS = ("DoStep", "EnterEventMode", "EnterStepMode", "UpdateDiscreteStates")
 
 _PIECE = 0.1
@@ -40,6 +42,8 @@ def run_native(
     limit = 0.0 if progress is not None else _PIECE
     outcome = _UNFINISHED
     try:
+        for slot, text in plan.texts.items():
+            library.cosim_set_text(byref(engine), slot, text)
         with DeferredInterrupt() as interrupt:
             while outcome == _UNFINISHED:
                 outcome = library.cosim_run(byref(engine), limit)
@@ -49,6 +53,7 @@ def run_native(
                     limit = PROGRESS_INTERVAL
     finally:
         tables.take_back()
+        library.cosim_free_texts(byref(engine))
     if outcome != _FINISHED:
         _raise(tables, plan)
     if progress is not None:
@@ -71,10 +76,12 @@ def _raise(tables: Tables, plan: Plan) -> None:
     elif failure.kind in (_ASKS_TO_END, _RETURNED_EARLY):
         instance.fail_to_go_on(early=failure.kind == _RETURNED_EARLY)
     group = tables.groups[failure.group]
-    if failure.kind == _OUT_OF_RANGE and isinstance(group, InputGroup) and group.buffer is not None:
+    if failure.kind == _OUT_OF_RANGE and isinstance(group, InputGroup) and isinstance(group.buffer, array):
         raise participant.out_of_range(failure.value, group.buffer)
     if failure.kind == _CALL_FAILED:
         called = failure.function
         access = group.access if isinstance(group, InputGroup) else group.whole
         instance.check(_FUNCTIONS[called] if called < len(_FUNCTIONS) else access.function, failure.status)
+    if failure.kind == _OUT_OF_MEMORY:
+        raise CallError(instance, "has put out a text for which there is no memory", "let it put out shorter texts")
     raise CallError(instance, f"ended for a reason of the number {failure.kind}", "report this as a defect of cosim")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
+from ctypes import Array, c_char_p
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
 
@@ -24,8 +25,8 @@ from cosim.engine._system import SAME_INSTANT
 
 MOST_UPDATES = 100
 
-Buffer: TypeAlias = "array[Any] | None"
-"""Memory of an FMI call that does not use the doubles of the signals themselves."""
+Buffer: TypeAlias = "array[Any] | Array[c_char_p] | None"
+"""Memory of an FMI call that does not use the doubles of the signals themselves: numbers or texts."""
 
 
 class Wire(NamedTuple):
@@ -71,7 +72,8 @@ class Participant:
     ``due`` is the time [s] of its next event or sample (infinite for a continuous component), ``steps`` and ``events``
     count doStep calls and instants with an event. ``triggers`` are the wires from discrete sources: a change of one
     is an event for a component with event mode, even between its own events. ``stale`` tells that outputs which are
-    only recorded have not been read since the component was computed.
+    only recorded have not been read since the component was computed. The signal of a text counts how often the text
+    has changed; ``texts``, which all participants share, has the text itself.
     """
 
     instance: Instance
@@ -82,6 +84,7 @@ class Participant:
     input_groups: tuple[InputGroup, ...]
     output_groups: tuple[OutputGroup, ...]
     triggers: tuple[Wire, ...]
+    texts: dict[int, bytes]
     time: float = 0.0
     ticks: int = 0
     steps: int = 0
@@ -106,7 +109,9 @@ class Participant:
                     inputs[target] = value
                     changed = True
             if changed:
-                if buffer is not None:
+                if isinstance(buffer, Array):
+                    buffer[:] = [self.texts.get(wire.source, b"") for wire in wires]
+                elif buffer is not None:
                     self._convert(buffer, start)
                 status = access.call()
                 if status >= FAILED:
@@ -136,10 +141,19 @@ class Participant:
             status = access.call()
             if status >= FAILED:
                 self.instance.check(access.function, status)
-            if buffer is not None:
+            if isinstance(buffer, Array):
+                self._take_texts(buffer, start)
+            elif buffer is not None:
                 for i in range(access.length):
                     self.values[start + i] = buffer[i]
         self.stale = not recording
+
+    def _take_texts(self, buffer: Array[c_char_p], start: int) -> None:
+        for slot, text in enumerate(buffer, start):
+            given: bytes = text or b""
+            if given != self.texts.get(slot):
+                self.texts[slot] = given
+                self.values[slot] += 1.0
 
     def step(self, t: float, h: float) -> None:
         """Step from t [s] over h [s]."""

@@ -1,7 +1,7 @@
 """The flat tables that the loop runs over: one vector of signals, one of inputs, and groups of variables in them.
 
-Signals (``values``), in this order: the outputs of all components, the channels, the middles of linear channels, and
-a zero, from which the elements of arrays that nothing drives take their start values.
+Signals (``values``), in this order: the outputs of all components, the channels, the middles of linear channels, a
+zero, from which the elements of arrays that nothing drives take their start values, and the texts that drive something.
 The first ``recorded`` of them are the columns of the result. Each group of Float64 variables lies in one piece, so
 that the FMU reads and writes the doubles of these vectors themselves; other types go through a buffer. In a group of
 outputs those that drive something come first, so that between the rows of the result only they are read.
@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable
+from ctypes import addressof, c_char_p
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +30,8 @@ class Plan:
     """All that the loop needs.
 
     ``columns`` maps "component.variable" to its signal, in the order of the result; ``ends`` are the (component,
-    variable) of the recorded signals, ``variables`` describes the columns. ``coupled`` tells whether continuous
+    variable) of the recorded signals, ``variables`` describes the columns. The signals from ``first_text`` on are those
+    of the texts, which are in ``texts``. ``coupled`` tells whether continuous
     components drive each other or follow a linear channel, so that every output point is an exchange.
     """
 
@@ -44,6 +46,8 @@ class Plan:
     schedule: Schedule
     lines: list[Line]
     coupled: bool
+    first_text: int
+    texts: dict[int, bytes]
 
 
 def roles_of(system: System) -> dict[str, Role]:
@@ -60,14 +64,18 @@ def make_plan(
 ) -> Plan:
     """Lay out the signals of a checked system and bind the calls of its instances; ``kind`` makes the participants."""
     signals, columns, recorded, total = _lay_out(system)
-    values = array("d", bytes(8 * (total + 1)))
+    texts = _text_signals(system, total + 1)
+    values = array("d", bytes(8 * (total + 1 + len(texts))))
     holds, lines = _channel_signals(system, signals, values, total)
+    ends = list(signals)
+    signals |= texts
     wires = _sources(system, signals, roles, lines)
     for component in system.components:
         wires |= _idle_elements(component, wires, zero=total)
     inputs = array("d", bytes(8 * len(wires)))
     taken = {connection.source for connection in system.connections}
     participants: dict[str, Participant] = {}
+    present: dict[int, bytes] = {}
     free = 0
     for component in system.components:
         instance = instances[component.name]
@@ -82,6 +90,7 @@ def make_plan(
             groups,
             _output_groups(component, instance, signals, taken, values),
             _triggers(system, groups, signals, roles) if roles[component.name] is Role.EVENT else (),
+            present,
         )
     continuous = [c for c in system.components if roles[c.name] is Role.CONTINUOUS]
     discrete = [c for c in system.components if roles[c.name] is not Role.CONTINUOUS]
@@ -93,13 +102,15 @@ def make_plan(
         inputs=inputs,
         recorded=recorded,
         columns=columns,
-        ends=list(signals),
-        variables={dotted(end): by_name[end[0]].fmu.variables[end[1]] for end in signals},
+        ends=ends,
+        variables={dotted(end): by_name[end[0]].fmu.variables[end[1]] for end in ends},
         discrete=[participants[c.name] for c in discrete_order(discrete, system.connections)],
         continuous=[participants[c.name] for c in continuous_order(continuous, system.connections)],
         schedule=Schedule(holds, lines),
         lines=lines,
         coupled=coupled or bool(lines),
+        first_text=total + 1,
+        texts=present,
     )
 
 
@@ -115,8 +126,11 @@ def _by_type(component: Component, names: list[str]) -> dict[str, list[str]]:
 
 
 def _outputs(component: Component, taken: set[tuple[str, str]]) -> dict[str, list[str]]:
-    """Return the recorded outputs by FMI type, in each those first that drive something."""
-    names = _recorded_outputs(component)
+    """Return the outputs that are read by FMI type, in each those first that drive something; texts only if they do."""
+    texts = [
+        v.name for v in component.fmu.variables.values() if v.type == "String" and (component.name, v.name) in taken
+    ]
+    names = _recorded_outputs(component) + texts
     return _by_type(component, sorted(names, key=lambda name: not _is_taken(component, name, taken)))
 
 
@@ -133,8 +147,8 @@ def _lay_out(system: System) -> tuple[dict[tuple[str, str], int], dict[str, int]
     signals: dict[tuple[str, str], int] = {}
     taken = {connection.source for connection in system.connections}
     for component in system.components:
-        for names in _outputs(component, taken).values():
-            for name in names:
+        for fmi_type, names in _outputs(component, taken).items():
+            for name in names if fmi_type != "String" else []:
                 signals[component.name, name] = len(signals)
     for channel in system.channels:
         signals[channel.target] = len(signals)
@@ -145,6 +159,17 @@ def _lay_out(system: System) -> tuple[dict[tuple[str, str], int], dict[str, int]
     }
     columns |= {dotted(channel.target): signals[channel.target] for channel in system.channels}
     return signals, columns, len(signals), len(signals) + sum(channel.linear for channel in system.channels)
+
+
+def _text_signals(system: System, first: int) -> dict[tuple[str, str], int]:
+    """Return the slots of the texts that drive something, those of a component in a row."""
+    taken = {connection.source for connection in system.connections}
+    ends = [
+        (component.name, name)
+        for component in system.components
+        for name in _outputs(component, taken).get("String", [])
+    ]
+    return {end: slot for slot, end in enumerate(ends, first)}
 
 
 def _channel_signals(
@@ -239,6 +264,9 @@ def _output_groups(
 
 def _memory(instance: Instance, fmi_type: str, vector: array[float], start: int, count: int) -> tuple[Buffer, int]:
     """Return the buffer and the address that a call uses: the vector itself for doubles."""
+    if fmi_type == "String":
+        texts = (c_char_p * count)()
+        return texts, addressof(texts)
     code = instance.type_codes[fmi_type]
     if code == "d":
         return None, vector.buffer_info()[0] + start * vector.itemsize

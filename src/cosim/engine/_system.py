@@ -19,6 +19,7 @@ _ACCEPTED = {
     "Integer": ("Integer", "Enumeration", "Boolean"),
     "Enumeration": ("Enumeration", "Integer"),
     "Boolean": ("Boolean",),
+    "String": ("String",),
 }
 
 
@@ -118,7 +119,7 @@ def _find(by_name: dict[str, Component], end: tuple[str, str], causality: str) -
     if variable is None:
         if variable_name in component.fmu.left_out:
             what = component.fmu.left_out[variable_name]
-            raise FmuError(f"{dotted(end)}: is {what}; only single numbers can be exchanged: export each on its own")
+            raise FmuError(f"{dotted(end)}: is {what}; only single numbers and texts can be exchanged")
         names = [v.name for v in component.fmu.variables.values() if v.causality == causality]
         raise FmuError(
             f"{dotted(end)}: {component.fmu.name} has no {causality} {variable_name}; its {causality}s are "
@@ -126,8 +127,6 @@ def _find(by_name: dict[str, Component], end: tuple[str, str], causality: str) -
         )
     if variable.causality != causality:
         raise FmuError(f"{dotted(end)}: is of causality {variable.causality}; an {causality} is needed here")
-    if variable.type == "String":
-        raise FmuError(f"{dotted(end)}: is a String; only numbers can be exchanged")
     return variable
 
 
@@ -151,6 +150,8 @@ def _check_types(connection: Connection, source: Variable, target: Variable) -> 
 
 def _check_table(channel: Channel, target: Variable) -> None:
     name = dotted(channel.target)
+    if target.type == "String":
+        raise FmuError(f"channel {name}: is a String; a channel has numbers only")
     if not channel.times or len(channel.times) != len(channel.values):
         raise InputError(
             f"channel {name}: it has {len(channel.times)} times and {len(channel.values)} values; "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from ctypes import Array, Structure, addressof, c_double, c_int32, c_int64, c_void_p
+from ctypes import Array, Structure, addressof, c_double, c_int32, c_int64, c_size_t, c_void_p
 from typing import Any
 
 from cosim.engine._channels import Line, Schedule
@@ -14,6 +14,7 @@ from cosim.engine._record import Record
 from cosim.engine._role import Role
 
 _TYPES = {code: number for number, code in enumerate("dfbBhHiIqQ")}
+_TEXT = 10
 _ROLES = {Role.CONTINUOUS: 0, Role.EVENT: 1, Role.SAMPLED: 2}
 
 
@@ -59,6 +60,10 @@ class _Line(Structure):
     ]
 
 
+class _Text(Structure):
+    _fields_ = [("bytes", c_void_p), ("room", c_size_t)]
+
+
 class _Failure(Structure):
     _fields_ = [
         ("value", c_double),
@@ -70,8 +75,11 @@ class Engine(Structure):
     """The structure that the native loop works on; names as in engine.h."""
 
     _fields_ = [
-        *((name, c_void_p) for name in ("values", "grid", "rows", "discrete", "continuous", "changes", "lines")),
-        *((name, c_int64) for name in ("n_values", "n_recorded", "n_rows")),
+        *(
+            (name, c_void_p)
+            for name in ("values", "grid", "rows", "discrete", "continuous", "changes", "lines", "texts")
+        ),
+        *((name, c_int64) for name in ("n_values", "n_recorded", "n_rows", "first_text")),
         *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines")),
         *((name, c_int64) for name in ("row", "change", "exchanges", "macro_steps")),
         *((name, c_double) for name in ("now", "step")),
@@ -80,7 +88,7 @@ class Engine(Structure):
     ]
 
 
-SIZES = tuple(ctypes.sizeof(s) for s in (_Wire, _Group, _Trigger, _Component, _Change, _Line, Engine))
+SIZES = tuple(ctypes.sizeof(s) for s in (_Wire, _Group, _Trigger, _Component, _Change, _Line, _Text, Engine))
 """Of the structures, in the order in which the library reports its own."""
 
 
@@ -113,7 +121,9 @@ class Tables:
             continuous=addressof(self._continuous),
             changes=self._changes(plan.schedule),
             lines=self._keep((_Line * len(lines))(*lines)),
+            texts=self._keep((_Text * (len(values) - plan.first_text))()),
             n_values=len(values),
+            first_text=plan.first_text,
             n_recorded=plan.recorded,
             n_rows=len(record.grid),
             n_discrete=split,
@@ -178,7 +188,7 @@ class Tables:
             wires=self._keep((_Wire * len(group.wires))(*map(_wire, group.wires))),
             count=len(group.wires),
             n_references=len(group.access.references),
-            type=_TYPES[participant.instance.type_codes[group.fmi_type]],
+            type=_type(participant, group),
             number=number,
         )
 
@@ -193,7 +203,7 @@ class Tables:
             connected=group.connected.length if group.connected else 0,
             n_references=len(group.whole.references),
             n_connected=len(group.connected.references) if group.connected else 0,
-            type=_TYPES[participant.instance.type_codes[group.fmi_type]],
+            type=_type(participant, group),
             number=number,
         )
 
@@ -209,6 +219,12 @@ class Tables:
         times, values = (_doubles(numbers) for numbers in (line.times, line.values))
         self._memory += [times, values]
         return _Line(addressof(times), addressof(values), len(times), line.start, line.slot, line.middle)
+
+
+def _type(participant: Participant, group: InputGroup | OutputGroup) -> int:
+    if group.fmi_type == "String":
+        return _TEXT
+    return _TYPES[participant.instance.type_codes[group.fmi_type]]
 
 
 def _wire(wire: Wire) -> _Wire:

@@ -52,6 +52,11 @@ static bool store(Engine *engine, const Component *component, const Group *group
         case UINT32: STORE(uint32_t, 0.0, 0x1p32);
         case INT64: STORE(int64_t, -0x1p63, 0x1p63);
         case UINT64: STORE(uint64_t, 0.0, 0x1p64);
+        case TEXT:
+            for (int64_t i = 0; i < group->count; i++) {
+                ((const char **)group->memory)[i] = text_of(engine, group->wires[i].source);
+            }
+            return true;
     }
     return true;
 }
@@ -60,7 +65,17 @@ static bool store(Engine *engine, const Component *component, const Group *group
     for (int64_t i = 0; i < count; i++) group->doubles[i] = (double)((const type *)group->memory)[i]; \
     break
 
-static void load(const Group *group, int64_t count) {
+static bool load_texts(Engine *engine, const Component *component, const Group *group, int64_t count) {
+    const int64_t first = group->doubles - engine->values;
+    for (int64_t i = 0; i < count; i++) {
+        if (!put_text(engine, first + i, ((const char *const *)group->memory)[i])) {
+            return fail(engine, component, OUT_OF_MEMORY);
+        }
+    }
+    return true;
+}
+
+static bool load(Engine *engine, const Component *component, const Group *group, int64_t count) {
     switch ((Type)group->type) {
         case FLOAT64: break;
         case FLOAT32: LOAD(float);
@@ -72,7 +87,9 @@ static void load(const Group *group, int64_t count) {
         case UINT32: LOAD(uint32_t);
         case INT64: LOAD(int64_t);
         case UINT64: LOAD(uint64_t);
+        case TEXT: return load_texts(engine, component, group, count);
     }
+    return true;
 }
 
 bool write_inputs(Engine *engine, Component *component) {
@@ -95,8 +112,7 @@ bool read_outputs(Engine *engine, Component *component, bool recording) {
     for (const Group *group = component->outputs; group < component->outputs + component->n_outputs; group++) {
         const int64_t count = recording ? group->count : group->connected;
         if (count == 0) continue;
-        if (!call(engine, component, group, recording)) return false;
-        load(group, count);
+        if (!call(engine, component, group, recording) || !load(engine, component, group, count)) return false;
     }
     component->stale = !recording;
     return true;

@@ -1,14 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * The inner loop of a co-simulation, over flat tables that Python has filled in: cosim/engine/_tables.py holds the same
- * structures. Times are in seconds. All memory belongs to the caller and stays where it is during a run; nothing here
- * allocates, and nothing is shared between two engines, so that runs in several threads do not disturb each other.
+ * structures. Times are in seconds. All memory belongs to the caller and stays where it is during a run, except for
+ * texts; nothing is shared between two engines, so that runs in several threads do not disturb each other.
  *
  * It must give the same numbers as the loop in cosim/engine/_loop.py, bit for bit: compile it without contraction of
  * a * b + c and without any other licence to change what floating point gives.
  */
 #ifndef COSIM_ENGINE_H
 #define COSIM_ENGINE_H
+
+#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -26,7 +32,7 @@ typedef int Status; /* of FMI: OK, Warning, Discard, Error, Fatal, Pending */
 typedef void (*Function)(void);
 
 /* How a variable lies in the memory that an FMI function takes. */
-typedef enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64 } Type;
+typedef enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, TEXT } Type;
 
 /* target = factor * source + offset; the source is a signal, the target the input of the wire's place in its group. */
 typedef struct {
@@ -90,6 +96,12 @@ typedef struct {
     int64_t slot, middle;
 } Line;
 
+/* A text that a component has put out. Its signal counts how often it has changed. */
+typedef struct {
+    char *bytes; /* allocated here; null if it has never been read */
+    size_t room;
+} Text;
+
 typedef enum {
     NONE,
     CALL_FAILED,          /* a function returned `status` */
@@ -99,7 +111,8 @@ typedef enum {
     ANNOUNCES_THE_PAST,   /* as its next event */
     WITHOUT_END,          /* events of several components set each other off */
     NOT_A_NUMBER,
-    OUT_OF_RANGE          /* `value` does not fit an integer input of `group` */
+    OUT_OF_RANGE,         /* `value` does not fit an integer input of `group` */
+    OUT_OF_MEMORY         /* for a text */
 } FailureKind;
 
 typedef enum { DO_STEP, ENTER_EVENT_MODE, ENTER_STEP_MODE, UPDATE_DISCRETE_STATES, ACCESS } CalledFunction;
@@ -116,7 +129,8 @@ typedef struct {
     Component *discrete, *continuous;
     const Change *changes;
     const Line *lines;
-    int64_t n_values, n_recorded, n_rows;
+    Text *texts;         /* of the signals from first_text on */
+    int64_t n_values, n_recorded, n_rows, first_text;
     int64_t n_discrete, n_continuous, n_changes, n_lines;
     int64_t row;         /* recorded so far */
     int64_t change;      /* the first that was not yet applied */
@@ -141,6 +155,10 @@ bool handle_event(Engine *engine, Component *component, double t, bool recording
 bool take_sample(Engine *engine, Component *component, bool recording);
 bool leave_event_mode(Engine *engine, Component *component);
 bool fail(Engine *engine, const Component *component, FailureKind kind);
+
+/* Texts: the one of a signal, and a new one for it, which counts if it differs; false if there is no memory for it. */
+const char *text_of(const Engine *engine, int64_t slot);
+bool put_text(Engine *engine, int64_t slot, const char *bytes);
 
 /* Channels. */
 double next_change(const Engine *engine);

@@ -7,12 +7,6 @@
 
 #include "engine.h"
 
-#ifdef _WIN32
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
-
 /* Macro steps between two looks at the clock, each of which takes as long as a step of a small FMU. While that many
  * steps take long enough to be noticed, every step is followed by a look. */
 #define BETWEEN_LOOKS 16
@@ -140,12 +134,13 @@ EXPORT int cosim_run(Engine *engine, double limit) {
 }
 
 /* Sizes of the structures, so that whoever fills them in can check that he means the same. */
-EXPORT void cosim_sizes(int64_t sizes[7]) {
+EXPORT void cosim_sizes(int64_t sizes[8]) {
     sizes[0] = sizeof(Wire);
     sizes[1] = sizeof(Group);
     sizes[2] = sizeof(Trigger);
     sizes[3] = sizeof(Component);
     sizes[4] = sizeof(Change);
     sizes[5] = sizeof(Line);
-    sizes[6] = sizeof(Engine);
+    sizes[6] = sizeof(Text);
+    sizes[7] = sizeof(Engine);
 }
