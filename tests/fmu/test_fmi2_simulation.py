@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
 
-from cosim.engine import Channel, Component, Fmu, Result, System, simulate
-from cosim.fmu import catalogue
+from cosim.engine import Channel, Component, Fmu, PartialResultError, Result, System, simulate
+from cosim.fmu import catalogue, export
 from cosim.fmu.versions import FmiVersion
 from cosim.scenario import assemble, read
 
@@ -166,3 +166,35 @@ def test_saved_states_continue_bit_by_bit(name: str, slave: Callable[[str], FMU2
         made.freeFMUstate(saved)
     made.terminate()
     made.freeInstance()
+
+
+ENDING = """
+model Ending "Ends by itself at x = 0.5, or fails at x = 0.3"
+  parameter Real fail = 0 "Positive: fail";
+  Real x(start = 0, fixed = true) "Grows with time";
+  output Real y "As x";
+equation
+  der(x) = 1;
+  y = x;
+  assert(fail < 0.5 or x < 0.3, "x is 100% too large");
+  when x > 0.5 then
+    terminate("over");
+  end when;
+end Ending;
+"""
+
+
+def test_ends_and_errors_reach_the_user_with_their_reasons(tmp_path: Path) -> None:
+    source = tmp_path / "Ending.mo"
+    source.write_text(ENDING, encoding="utf-8")
+    with Fmu.read(export(source, "Ending", tmp_path, fmi="2.0")) as fmu:
+        for fail, reached, message in (
+            (0.0, 0.5, "plant (Ending): asked to end the simulation"),
+            (1.0, 0.3, "fmi2DoStep returned Error; the FMU says: At t = 0.4 s an assertion of the model is violated: "
+             "x is 100% too large"),
+        ):  # fmt: skip
+            system = System([Component("plant", fmu, {"fail": fail})])
+            with pytest.raises(PartialResultError) as failure:
+                simulate(system, stop=1.0, output_interval=0.1, tolerance=1e-6)
+            assert message in str(failure.value)
+            assert failure.value.result.time[-1] == pytest.approx(reached)
