@@ -96,7 +96,16 @@ def test_feedthrough_acts_over_the_step_at_whose_end_it_was_put_out(fmu: Get) ->
     )
     text = explain_timing(system, stop=0.5, output_interval=0.1)
     assert "  b.x -> a.u\n    delay 0 s; " in text
-    assert "  a.y -> b.u = 1 * source + 1\n    delay -0.1 s; 5 values; a value from the end of a step acts from" in text
+    assert "  a.y -> b.u = 1 * source + 1\n    delay -0.1 s; 5 values; the source is stepped first, and what it" in text
+
+
+def test_a_text(fmu: Get) -> None:
+    system = System(
+        [Component("a", fmu("label"), {"name": "step"}), Component("b", fmu("label"))],
+        [Connection(("a", "y"), ("b", "u"))],
+    )
+    text = explain_timing(system, stop=1.0, output_interval=0.1)
+    assert '    "step +": put out at 0.2 s, acts from 0.1 s on\n' in text
 
 
 def test_a_linear_channel(fmu: Get) -> None:

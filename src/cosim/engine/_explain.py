@@ -159,10 +159,11 @@ def _travels(travels: list[Travel], from_channel: bool) -> list[str]:
     delays = [travel.acts - travel.born for travel in travels if not travel.initial] or [0.0]
     lines = [f"    delay {_delay(delays)}; {len(travels)} values"]
     if min(delays) < -SAME_INSTANT:
-        lines[0] += "; a value from the end of a step acts from its beginning on (direct feedthrough)"
+        lines[0] += "; the source is stepped first, and what it puts out at the end acts over the whole step"
     for travel in travels[:_SHOWN]:
         source = "entered" if from_channel else "put out by initialisation" if travel.initial else "put out"
-        lines.append(f"    {travel.value:.9g}: {source} at {travel.born:.9g} s, acts from {travel.acts:.9g} s on")
+        value = travel.value if isinstance(travel.value, str) else f"{travel.value:.9g}"
+        lines.append(f"    {value}: {source} at {travel.born:.9g} s, acts from {travel.acts:.9g} s on")
     return lines
 
 

@@ -26,7 +26,7 @@ class Travel:
 
     born: float
     acts: float
-    value: float
+    value: float | str
     initial: bool
 
 
@@ -42,7 +42,7 @@ class Taken(NamedTuple):
 
     wire: Wire
     birth: Birth | None
-    value: float
+    value: float | str
 
 
 @dataclass
@@ -96,7 +96,7 @@ class Trace:
     def taken(self, participant: Participant) -> list[Taken]:
         """Return what the inputs of a component have just been set to."""
         return [
-            Taken(wire, self._born.get(wire.source), participant.inputs[wire.target])
+            Taken(wire, self._born.get(wire.source), _value(participant, wire))
             for group in participant.input_groups
             for wire in group.wires
         ]
@@ -134,6 +134,11 @@ class Trace:
         ]
         if self._count > _MOST_COMPUTATIONS or (not waiting and self._count > self.wanted * len(self.components)):
             raise Enough
+
+
+def _value(participant: Participant, wire: Wire) -> float | str:
+    text = participant.texts.get(wire.source)
+    return participant.inputs[wire.target] if text is None else f'"{text.decode(errors="replace")}"'
 
 
 @dataclass
