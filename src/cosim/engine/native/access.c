@@ -2,8 +2,6 @@
  *
  * Between the signals and the FMUs: inputs are set if they have changed, outputs are read if somebody takes them.
  */
-#include <math.h>
-
 #include "engine.h"
 
 typedef Status (*Access2)(void *, const ValueReference *, size_t, void *);

@@ -2,13 +2,7 @@
  *
  * Inputs that are driven from tables.
  */
-#include <math.h>
-
 #include "engine.h"
-
-double next_change(const Engine *engine) {
-    return engine->change < engine->n_changes ? engine->changes[engine->change].time : INFINITY;
-}
 
 /* Of two changes at one time the second stays. */
 void apply_changes(Engine *engine, double t) {

@@ -2,8 +2,6 @@
  *
  * Computing one component: steps, samples, events.
  */
-#include <math.h>
-
 #include "engine.h"
 
 typedef Status (*DoStep2)(void *, double, double, int);

@@ -16,6 +16,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -161,13 +162,15 @@ const char *text_of(const Engine *engine, int64_t slot);
 bool put_text(Engine *engine, int64_t slot, const char *bytes);
 
 /* Channels. */
-double next_change(const Engine *engine);
+static inline double next_change(const Engine *engine) {
+    return engine->change < engine->n_changes ? engine->changes[engine->change].time : INFINITY;
+}
 void apply_changes(Engine *engine, double t);
 void set_middles(Engine *engine, double middle);
 void set_lines(Engine *engine, double t);
 
 /* Result. */
-bool is_row(const Engine *engine, double t);
+static inline bool is_row(const Engine *engine, double t) { return t >= engine->grid[engine->row] - SAME_INSTANT; }
 bool put_row(Engine *engine);
 bool are_numbers(Engine *engine);
 

@@ -3,8 +3,6 @@
  * The two co-simulation algorithms. Each call goes on where the last one stopped, for about `limit` seconds of wall
  * time and for at least one macro step, so that the caller can report progress and be interrupted in between.
  */
-#include <math.h>
-
 #include "engine.h"
 
 /* Macro steps between two looks at the clock, each of which takes as long as a step of a small FMU. While that many
@@ -41,7 +39,7 @@ static bool exchange(Engine *engine, double t, bool recording) {
 /* Step the continuous components from now to t, each with what those before it have just put out. */
 static bool advance(Engine *engine, double t, bool recording) {
     const double now = engine->now, h = t - now;
-    set_middles(engine, now + 0.5 * h);
+    if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
     Component *const end = engine->continuous + engine->n_continuous;
     for (Component *component = engine->continuous; component < end; component++) {
         if (!write_inputs(engine, component) || !do_step(engine, component, now, h) ||
@@ -49,7 +47,7 @@ static bool advance(Engine *engine, double t, bool recording) {
             return false;
         }
     }
-    set_lines(engine, t);
+    if (engine->n_lines > 0) set_lines(engine, t);
     return true;
 }
 
@@ -85,7 +83,7 @@ static bool go_on_jacobi(Engine *engine) {
     Component *const end = engine->continuous + engine->n_continuous;
     const double now = engine->now, h = engine->step;
     const double t = (double)++engine->macro_steps * h;
-    set_middles(engine, now + 0.5 * h);
+    if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
     for (Component *component = engine->continuous; component < end; component++) {
         if (!write_inputs(engine, component)) return false;
     }
@@ -96,8 +94,8 @@ static bool go_on_jacobi(Engine *engine) {
     for (Component *component = engine->continuous; component < end; component++) {
         if (!read_outputs(engine, component, recording)) return false;
     }
-    set_lines(engine, t);
-    apply_changes(engine, t);
+    if (engine->n_lines > 0) set_lines(engine, t);
+    if (next_change(engine) <= t + SAME_INSTANT) apply_changes(engine, t);
     engine->now = t;
     engine->exchanges++;
     return are_numbers(engine);

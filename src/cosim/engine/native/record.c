@@ -6,8 +6,6 @@
 
 #include "engine.h"
 
-bool is_row(const Engine *engine, double t) { return t >= engine->grid[engine->row] - SAME_INSTANT; }
-
 /* Whose output it is, the caller finds out. */
 bool are_numbers(Engine *engine) {
     int strange = 0;
