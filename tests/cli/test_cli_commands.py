@@ -44,7 +44,7 @@ def test_build(cosim: Cosim) -> None:
             "--fmi 1.0: FMUs are built for FMI 3.0 or 2.0; accepted are 3.0, 2.0, both",
         ),
         (("info", "x.fmu"), "x.fmu: there is no such FMU"),
-        (("export", "x.mo", "P.M"), "x.mo: there is no such Modelica file"),
+        (("export", "x.mo", "P.M"), "x.mo: there is no such Modelica file or folder"),
     ],
 )
 def test_what_is_refused(cosim: Cosim, arguments: tuple[str, ...], message: str) -> None:

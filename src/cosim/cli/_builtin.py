@@ -44,7 +44,7 @@ def export_model(file: Path, model: str, out: Path, fmi: FmiChoice) -> list[Path
     """Compile a Modelica model into an FMU, or one of each FMI version, in the folder ``out``."""
     from cosim.fmu import export_all
 
-    _check_file(file)
+    _check_there(file)
     paths: list[Path] = export_all(file, model, out, fmi=fmi)
     return paths
 
@@ -54,13 +54,13 @@ def explanation(file: Path, model: str) -> str:
     from cosim.dae import explain
     from cosim.fmu import compile_model
 
-    _check_file(file)
+    _check_there(file)
     return explain(compile_model(file, model))
 
 
-def _check_file(file: Path) -> None:
-    if not file.is_file():
-        raise InputError("there is no such Modelica file", file=file)
+def _check_there(path: Path) -> None:
+    if not path.exists():
+        raise InputError("there is no such Modelica file or folder", file=path)
 
 
 def _known() -> dict[str, str]:
