@@ -198,3 +198,23 @@ def test_results_that_cannot_be_written(cosim: Cosim, scenario: Path, monkeypatc
         3,
         f"error: {Path('results/x')}: the results cannot be written: No space left on device; choose another --out\n",
     )
+
+
+def test_explaining_the_timing_runs_nothing(
+    cosim: Cosim, scenario: Path, simulated: list[dict[str, object]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_run, "explain_timing", lambda system, **asked: f"rows every {asked['output_interval']} s")
+    done = cosim("run", scenario, "--explain-timing")
+    assert (done.exit_code, done.stdout) == (0, f"{scenario}\n\nrows every 0.001 s\n\n")
+    assert simulated == []
+    assert not Path("results").exists()
+    document = json.loads(cosim("run", scenario, "--explain-timing", "--json").stdout)
+    assert document["runs"][0]["timing"] == "rows every 0.001 s"
+
+
+def test_explaining_the_timing_of_a_wrong_scenario(cosim: Cosim, tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.csv"
+    wrong.write_text("# system: linkage\n", encoding="utf-8")
+    done = cosim("run", wrong, "--explain-timing")
+    assert done.exit_code == 2
+    assert "wrong.csv" in done.stderr

@@ -65,14 +65,20 @@ def run(
         ),
     ] = None,
     plots: Annotated[bool, typer.Option("--plots/--no-plots", help="Draw PNG plots.")] = True,
+    timing: Annotated[
+        bool,
+        typer.Option("--explain-timing", help="Do not run; tell who is computed when, what travels, and each delay."),
+    ] = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
     """Simulate scenarios one after another; write results.csv, results.parquet, summary.json and plots."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
-        from cosim.cli._run import run_files
+        from cosim.cli._run import explain_files, run_files
 
+        if timing:
+            raise typer.Exit(explain_files(files, settings or [], screen))
         raise typer.Exit(run_files(files, out, settings or [], screen, plots=plots))
 
 

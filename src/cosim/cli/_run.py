@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cosim.cli._builtin import locate
 from cosim.cli._screen import INTERRUPTED, Screen
-from cosim.engine import Result, System, simulate
+from cosim.engine import Result, System, explain_timing, simulate
 from cosim.errors import CosimError, InputError, SimulationError
 from cosim.report import Run, clear, write
 from cosim.scenario import Scenario, ScenarioWarning, assemble, read
@@ -25,6 +25,28 @@ class Outcome:
     folder: str | None = None
     notes: list[str] = field(default_factory=list)
     summary: dict[str, object] | None = None
+    timing: str | None = None
+
+
+def explain_files(files: Sequence[Path], settings: Sequence[str], screen: Screen) -> int:
+    """Tell when things happen in the runs of these scenarios, without running them; return the worst exit code."""
+    outcomes: list[Outcome] = []
+    for file in files:
+        outcome = Outcome(str(file))
+        outcomes.append(outcome)
+        try:
+            scenario = read(file, settings)
+            outcome.timing = explain_timing(
+                _assemble(scenario, outcome, screen),
+                stop=scenario.stop,
+                output_interval=scenario.output_interval,
+                tolerance=scenario.tolerance,
+            )
+            screen.say(f"{file}\n\n{outcome.timing}\n")
+        except CosimError as error:
+            outcome.exit_code, outcome.message = error.exit_code, str(error)
+            screen.error(outcome.message)
+    return _report(outcomes, screen)
 
 
 def run_files(files: Sequence[Path], out: Path, settings: Sequence[str], screen: Screen, *, plots: bool) -> int:
@@ -42,6 +64,10 @@ def run_files(files: Sequence[Path], out: Path, settings: Sequence[str], screen:
             screen.error(outcome.message)
         if outcome.exit_code == INTERRUPTED:
             break
+    return _report(outcomes, screen)
+
+
+def _report(outcomes: Sequence[Outcome], screen: Screen) -> int:
     worst = max(outcome.exit_code for outcome in outcomes)
     screen.document({"exit_code": worst, "runs": [asdict(outcome) for outcome in outcomes]})
     return worst
