@@ -26,12 +26,18 @@ from peer_fmus import MOTOR, REGULATOR, build
 from peer_session import OURS, PEERS, Peer, PeerError, Session, install
 from peer_timing import measure
 
+from cosim.fmu import export
+
+DRIVE = Path(__file__).parent / "_peers" / "Drive.mo"
+PAIRS = {"c": "C", "modelica": "Modelica"}
 STOP = 25.0
 INTERVAL = 0.01
 FLOOR = Peer("floor: the two doSteps in a C loop", "ours", "floor", "", "cosim")
+RING = Peer("the least C loop that exchanges, no rows", "ours", "ring", "", "cosim")
 HERE = OURS[1]
 REFERENCES = (
     Peer("1 step of delay", "fmpy_loop"),
+    Peer("1 step of delay, start values in the first", "fmpy_loop", "start values"),
     Peer("no delay", "fmpy_loop", "delay 0"),
     Peer("2 steps of delay", "fmpy_loop", "delay 2"),
     Peer("plant stepped first", "fmpy_loop", "plant first"),
@@ -39,7 +45,7 @@ REFERENCES = (
 COMPARED = (
     FLOOR,
     HERE,
-    Peer("the least C loop that exchanges, no rows", "ours", "ring", "", "cosim"),
+    RING,
     Peer("cosim, jacobi, last row only", "ours", "end only", "", "cosim"),
     PEERS[2],
     Peer("fmpy container, one doStep, last row only", "fmpy_container", "one doStep", module="fmpy.container_fmu"),
@@ -77,6 +83,7 @@ def main() -> None:
     parser.add_argument("--install", action="store_true")
     parser.add_argument("--timing", action="store_true")
     parser.add_argument("--rounds", type=int, default=11)
+    parser.add_argument("--pair", choices=PAIRS, default="c", help="where the two FMUs come from")
     parser.add_argument("--step", type=float, nargs="*", default=[1e-3, 1e-4], help="macro steps [s]")
     parser.add_argument("--only", help="compare only peers whose name contains this, and the floor")
     chosen = parser.parse_args()
@@ -86,13 +93,22 @@ def main() -> None:
         timing_table()
     else:
         for step in chosen.step:
-            compare([p for p in COMPARED if p in COMPARED[:4] or (chosen.only or "") in p.name], step, chosen.rounds)
+            peers = [peer for peer in COMPARED if peer in COMPARED[:4] or (chosen.only or "") in peer.name]
+            compare(chosen.pair, peers, step, chosen.rounds)
 
 
-def compare(peers: Sequence[Peer], step: float, rounds: int) -> None:
+def build_pair(pair: str, folder: Path) -> tuple[Path, Path]:
+    """Return motor and controller, FMI 2.0, exported from Modelica by this project or compiled from C."""
+    if pair == "c":
+        return build(MOTOR, 2, folder), build(REGULATOR, 2, folder)
+    motor, regulator = (export(DRIVE, f"Drive.{name}", folder, fmi="2.0") for name in ("Motor", "Regulator"))
+    return motor.rename(folder / "motor2.fmu"), regulator.rename(folder / "regulator2.fmu")
+
+
+def compare(pair: str, peers: Sequence[Peer], step: float, rounds: int) -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        fmus = (build(MOTOR, 2, folder), build(REGULATOR, 2, folder))
+        fmus = build_pair(pair, folder)
         entries = [start(peer, make_job(fmus, folder, peer, step, INTERVAL)) for peer in peers]
         jobs = {entry.peer: make_job(fmus, folder, entry.peer, step, STOP) for entry in entries}
         for number in range(rounds):
@@ -105,7 +121,7 @@ def compare(peers: Sequence[Peer], step: float, rounds: int) -> None:
             reference = start(peer, make_job(fmus, folder, peer, step, INTERVAL))
             run(reference, make_job(fmus, folder, peer, step, STOP))
             references.append(reference)
-        report(entries, references, step)
+        report(entries, references, pair, step)
         for entry in (*entries, *references):
             if entry.session:
                 entry.session.__exit__(None, None, None)
@@ -155,11 +171,12 @@ def run(entry: Entry, job: Job) -> None:
         entry.rows = answer["rows"]
 
 
-def report(entries: list[Entry], references: list[Entry], step: float) -> None:
+def report(entries: list[Entry], references: list[Entry], pair: str, step: float) -> None:
     steps = round(STOP / step)
     medians = {e.peer: statistics.median(e.seconds) / steps * 1e6 for e in entries if e.seconds and not e.failure}
-    floor, ours = medians[FLOOR], medians[HERE]
-    print(f"\nmacro step {step:g} s, {STOP:g} s, rows every {INTERVAL:g} s; us per macro step")
+    # While its inputs stay the same, an FMU of this project steps beyond the macro step: doSteps alone are no floor.
+    floor, ours = medians[FLOOR if pair == "c" else RING], medians[HERE]
+    print(f"\npair from {PAIRS[pair]}, macro step {step:g} s, {STOP:g} s, rows every {INTERVAL:g} s; us per macro step")
     heads = f"{'median':>9}{'lowest':>9}{'highest':>9}{'above floor':>13}{'x ours':>8}{'runs':>6}{'start s':>9}"
     print(f"{'':48}{heads}  agrees with")
     for entry in entries:

@@ -3,7 +3,8 @@
 Variants: "" exchanges all values, then steps all FMUs, which is a delay of one macro step from the begin of a step of
 the last FMU to its effect on the first. The others are references for two FMUs, plant and controller: "delay 0" steps
 the controller before the plant, "delay 2" lets its outputs wait one step more, "plant first" steps the plant before
-the controller, which so sees outputs from the end of its own step.
+the controller, which so sees outputs from the end of its own step, "start values" takes the first step without an
+exchange before it.
 """
 
 from __future__ import annotations
@@ -85,6 +86,12 @@ def reference(job: Job, wires: list, steps: list, recorded: list) -> list[tuple[
             put_plant(plant_in, get_controller(controller_out))
             step_plant(k * step, step)
             put_controller(controller_in, get_plant(plant_out))
+            step_controller(k * step, step)
+        elif variant == "start values":
+            if k > 0:
+                put_plant(plant_in, get_controller(controller_out))
+                put_controller(controller_in, get_plant(plant_out))
+            step_plant(k * step, step)
             step_controller(k * step, step)
         else:
             put_controller(controller_in, get_plant(plant_out))
