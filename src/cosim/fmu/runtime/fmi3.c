@@ -155,7 +155,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     bool at_tick = outcome == ADVANCE_REACHED && i->event_mode_used && simulation_tick_is_due(m);
     *eventHandlingNeeded = outcome == ADVANCE_EVENT || at_tick;
     *terminateSimulation = s->terminate != 0;
-    *earlyReturn = outcome != ADVANCE_FAILED && s->t < to;
+    *earlyReturn = i->early_return_allowed && outcome != ADVANCE_FAILED && s->t < to;
     *lastSuccessfulTime = s->t;
     return outcome == ADVANCE_FAILED ? (fmi3Status)instance_failed(m) : fmi3OK;
 }
