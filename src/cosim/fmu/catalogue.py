@@ -53,9 +53,7 @@ def build_folder() -> Path:
     folder = data_folder()
     if folder != _PACKAGE / "data" and os.access(folder / "fmus", os.W_OK):
         return folder / "fmus"
-    import platformdirs
-
-    return Path(platformdirs.user_cache_dir("wiper-cosim")) / __version__ / "fmus"
+    return _cache_folder() / __version__ / "fmus"
 
 
 def names() -> dict[str, CatalogueEntry]:
@@ -109,7 +107,7 @@ def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice) -> list[Path]:
         from filelock import FileLock
 
         out.mkdir(parents=True, exist_ok=True)
-        with FileLock(out / f".{entry.fmu_name}.lock"):
+        with FileLock(_lock(out / entry.fmu_name)):
             missing = outdated()  # another process may have built some meanwhile
             if missing:
                 from cosim.fmu.exporter import export_all
@@ -122,6 +120,20 @@ def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice) -> list[Path]:
                     build_hash=wanted,
                 )
     return list(paths.values())
+
+
+def _lock(target: Path) -> Path:
+    """The file that locks a target, in the user's cache: a folder of the user's is for what was asked for alone."""
+    name = hashlib.sha256(os.path.normcase(target.resolve()).encode()).hexdigest()[:32]
+    path = _cache_folder() / "locks" / f"{name}.lock"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+def _cache_folder() -> Path:
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("wiper-cosim"))
 
 
 def _recorded_hash(path: Path) -> str | None:
