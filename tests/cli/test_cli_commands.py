@@ -110,6 +110,11 @@ def test_version_and_help(cosim: Cosim) -> None:
     assert "Exit codes: 0 done, 2 the input is wrong, 3 a build or a simulation failed" in cosim("--help").stdout
 
 
+def test_as_a_module() -> None:
+    done = subprocess.run([sys.executable, "-m", "cosim", "--version"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, f"cosim {__version__}\n")
+
+
 def test_main_exits_with_the_code(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         main(["info", "nowhere.fmu"])
