@@ -8,13 +8,15 @@ model HBridge "Averaged H-bridge in one-quadrant mode with ideal freewheel diode
   constant Types.Inductance L_1 = 1 "Gives both branches of the bridge's law the same unit";
   constant Types.Voltage V_1 = 1 "Scale of the bridge's characteristic";
   constant Types.Current I_1 = 1 "Scale of the bridge's characteristic";
+  constant Types.Ratio rounding = 1e-9 "What rounding errors may make of a current or voltage of zero";
   Interfaces.Pin p "Output to the load";
   Interfaces.Pin n "Return from the load";
   Types.Voltage v "Voltage across the load";
   Types.Current i(start=0, fixed=true, stateSelect=StateSelect.always) "Current through the load";
   Types.Current i_switch "Current in the switch, where it is measured: never negative";
   Types.Power P_supply "Power taken from the supply";
-  Types.Ratio s "Place on the bridge's characteristic of current over voltage";
+  Types.Ratio s_diode "Place on the diode's characteristic of current over voltage";
+  Types.Ratio s_limit "Place on the limiter's characteristic of current over voltage";
   Boolean blocking(start=true, fixed=true) "True while the diode blocks and no current flows";
   Boolean limiting(start=false, fixed=true) "True while the current is held at its limit";
   Boolean braking "True while the load is shorted and its current may reverse";
@@ -29,12 +31,12 @@ equation
   // the structure is the same in all modes.
   0 = if blocking or limiting then L_1*der(i) else v - duty*v_supply;
   braking = short_brake and duty <= 0;
-  // The characteristic has two corners, but s passes through them steadily: it is the current while the bridge
-  // conducts, the drive's lack of voltage while the diode blocks, and its excess, on top of i_max, while the limit holds.
-  s = if blocking then (duty*v_supply - v)/V_1
-    elseif limiting then i_max/I_1 + (duty*v_supply - v)/V_1 else i/I_1;
-  blocking = s < 0 and not braking;
-  limiting = s > i_max/I_1;
+  // Diode and limit are each a characteristic with one corner, through which its parameter passes steadily: on the one
+  // side it is the current beyond the corner, on the other the drive's voltage beyond the load's.
+  s_diode = if blocking then (duty*v_supply - v)/V_1 else i/I_1;
+  blocking = s_diode < -rounding and not braking;
+  s_limit = if limiting then (duty*v_supply - v)/V_1 else (i - i_max)/I_1;
+  limiting = s_limit > rounding;
   // An event is found a little after the current has passed its bound.
   when blocking then
     reinit(i, 0);

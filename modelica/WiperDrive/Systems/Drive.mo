@@ -8,7 +8,7 @@ partial model Drive "Bridge, motor, worm gear and park sensor: what the plants h
     "Current to which the bridge limits itself [A] off; [S] 4.2: supply 10 A, bridge 15 A";
   parameter Boolean short_brake = false
     "True: at duty ratio zero the motor is shorted to brake [A] off; the production motor does so when it parks";
-  input Types.Ratio duty(start=0) "Duty ratio of the H-bridge, 0..1";
+  input Types.Ratio duty(start=0, min=0, max=1) "Duty ratio of the H-bridge, 0..1";
   input Types.Voltage v_supply(start=28) "Supply voltage";
   input Types.Torque tau_disturbance(start=0)
     "Torque of the surroundings on the gear's output shaft, positive in the direction of rotation";

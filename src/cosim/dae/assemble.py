@@ -101,7 +101,7 @@ class _Assembly:
             *(self.resolve(chains.symbol(Node(node.base, node.order + 1))) for node in self._selection.states),
         )
         conditions = self._conditions()
-        initial_residuals, initial_texts = initial_system(system, states, torn, residuals, conditions)
+        initial_residuals, initial_texts, kept = initial_system(system, states, torn, residuals, conditions)
         return Dae(
             name=system.name,
             description=system.description,
@@ -131,6 +131,7 @@ class _Assembly:
             terminations=[(self.resolve(guard), message) for guard, message in system.terminations],
             initial_residuals=initial_residuals,
             initial_texts=initial_texts,
+            starts_kept=kept,
             published=self._published(),
             aliases={name: alias.text for name, alias in chains.aliases.items() if name in system.unknowns},
             blocks=self._solution.blocks,
@@ -139,12 +140,12 @@ class _Assembly:
         )
 
     def _unknown(self, node: Node) -> Unknown:
-        start, nominal = SX(0.0), 1.0
-        for scalar, sign in reversed(self._chains.names.get(node, [])):
-            if scalar.start is not None and (scalar.fixed or not scalar.start.is_zero()):
-                start = sign * scalar.start
-            if scalar.nominal != 1.0:
-                nominal = scalar.nominal
+        """A fixed start value counts most, then the first that says something."""
+        names = self._chains.names.get(node, [])
+        starts = [(not s.fixed, sign * s.start) for s, sign in names if s.start is not None]
+        starts = [(guess, start) for guess, start in starts if not guess or not start.is_zero()]
+        start = min(starts, key=lambda item: item[0])[1] if starts else SX(0.0)
+        nominal = next((scalar.nominal for scalar, _ in names if scalar.nominal != 1.0), 1.0)
         return Unknown(self._chains.label(node), self._chains.symbol(node), start, nominal)
 
     def _conditions(self) -> list[tuple[SX, str, int]]:

@@ -80,6 +80,8 @@ class Dae:
     terminations: list[tuple[SX, str]]
     initial_residuals: SX
     initial_texts: list[str]
+    starts_kept: list[bool]
+    """For each unknown, whether the initial system says no more of it than that it has its start value."""
     published: list[Published]
     """All variables of the model that are not protected, in the order of declaration, outputs first."""
     aliases: dict[str, str]

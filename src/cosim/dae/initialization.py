@@ -15,8 +15,8 @@ def initial_system(
     torn: list[Unknown],
     residuals: SX,
     conditions: list[tuple[SX, str, int]],
-) -> tuple[SX, list[str]]:
-    """Residuals of the initial system and their texts.
+) -> tuple[SX, list[str], list[bool]]:
+    """Residuals of the initial system, their texts, and which unknowns simply have their start value.
 
     The conditions (fixed start values and initial equations) all hold. A state that they leave open keeps its start
     value, which the Modelica specification (8.6) leaves to the tool.
@@ -50,4 +50,9 @@ def initial_system(
                 f" {', '.join(u.name for u in states) or 'none'}. Take fixed=true or an initial equation away",
                 at,
             )
-    return ca.vertcat(SX(0, 1), *(rows[row][0] for row in taken)), [rows[row][1] for row in taken]
+    kept = {u.symbol.name() for u in states for row in taken if ca.is_equal(rows[row][0], u.symbol - u.start, 20)}
+    return (
+        ca.vertcat(SX(0, 1), *(rows[row][0] for row in taken)),
+        [rows[row][1] for row in taken],
+        [u.symbol.name() in kept for u in unknowns],
+    )

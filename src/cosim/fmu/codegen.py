@@ -132,6 +132,7 @@ class _Generator:
             *_table("char *const", "model_assertion_messages", "MODEL_NA", [_string(c.message) for c in dae.checks]),
             *_table("unsigned char", "model_assertion_is_error", "MODEL_NA",
                     [str(int(c.is_error)) for c in dae.checks]),
+            *_table("unsigned char", "model_start_kept", "MODEL_NV", [str(int(k)) for k in dae.starts_kept]),
             *_table("char *const", "model_initial_texts", "MODEL_NV", [_string(t) for t in dae.initial_texts]),
         ]  # fmt: skip
 

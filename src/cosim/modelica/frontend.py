@@ -18,6 +18,7 @@ from cosim.modelica import _reader
 from cosim.modelica.flat import FlatModel
 from cosim.modelica.source import Source
 
+_FINAL = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\])*\"|\b(final)\b", re.DOTALL)
 _QUOTED = re.compile(r"[`']([A-Za-z_][\w.]*)(?:\[[^\]]*\])?[`']")
 _AT = re.compile(r"\s*\[[^\]\s]*:(\d+):(\d+)\]")
 _BALANCE = re.compile(r"unbalanced model: .*\(balance = (-?\d+)\)")
@@ -58,7 +59,20 @@ def flatten(source: Source, model: str) -> FlatModel:
 
 
 def _tree(rumoca: Any, source: Source, text: str, model: str) -> dict[str, Any]:  # noqa: ANN401 - a module
-    """rumoca's flat tree of a class of ``text``, which starts with that of ``source``."""
+    """rumoca's flat tree of a class of ``text``, which starts with that of ``source``.
+
+    rumoca takes a ``final`` parameter for a constant and decides asserts and ifs with its default value, although it may
+    follow from parameters that an importer sets. So it gets to see the equations without the keyword, and a second time
+    with it, for the flags alone.
+    """
+    plain = _FINAL.sub(lambda match: " " * len("final") if match.group(1) else match.group(), text)
+    tree = _load(rumoca, source, plain, model)
+    if plain != text:
+        tree["variable_final_flags"] = _load(rumoca, source, text, model)["variable_final_flags"]
+    return tree
+
+
+def _load(rumoca: Any, source: Source, text: str, model: str) -> dict[str, Any]:  # noqa: ANN401 - a module
     try:
         with _silenced_stderr():
             compiled = rumoca.Session().loads(text, model=model, filename=source.files[0].name)

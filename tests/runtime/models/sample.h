@@ -78,7 +78,9 @@ void model_time_derivative(MODEL_CONTINUOUS_ARGUMENTS, double *ft)
 }
 #endif
 
-#ifndef SAMPLE_INITIAL /* all states keep their start values */
+const unsigned char model_start_kept[MODEL_ROOM(MODEL_NV)] = {0};
+
+#ifndef SAMPLE_INITIAL /* all states have their start values */
 void model_initial_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r)
 {
     double start[MODEL_ROOM(MODEL_NV)], d_start[MODEL_ROOM(MODEL_ND)];

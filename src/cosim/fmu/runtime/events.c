@@ -58,6 +58,15 @@ static void initial_system(void *context, const double *v, double *r, double *J)
     if (J) model_initial_jacobian(s->t, v, s->u, s->p, s->d, s->c, J);
 }
 
+/* Elimination leaves rounding errors in what was known beforehand, and the sign of a zero decides relations. */
+static void keep_start_values(Simulation *m)
+{
+    double v[MODEL_ROOM(MODEL_NV)], d[MODEL_ROOM(MODEL_ND)];
+    model_start(m->s.p, v, d);
+    for (int i = 0; i < MODEL_NV; i++)
+        if (model_start_kept[i]) m->s.v[i] = v[i];
+}
+
 static int solve_initial(Simulation *m)
 {
     Newton *w = &m->newton;
@@ -68,7 +77,10 @@ static int solve_initial(Simulation *m)
         for (int i = 0; i < MODEL_NV; i++) v[i] += 0.01 * (1 + i % 3) * model_nominal[i];
         outcome = newton_solve(w, MODEL_NV, initial_system, &m->s, model_nominal, v);
     }
-    if (outcome == NEWTON_SOLVED) return 1;
+    if (outcome == NEWTON_SOLVED) {
+        keep_start_values(m);
+        return 1;
+    }
     char text[700];
     size_t used = 0;
     for (int rank = 0; rank < 3 && rank < MODEL_NV; rank++) {

@@ -89,6 +89,9 @@ extern const unsigned char model_assertion_is_error[MODEL_ROOM(MODEL_NA)];
 /* Equations of the initial system, in Modelica text, for messages. */
 extern const char *const model_initial_texts[MODEL_ROOM(MODEL_NV)];
 
+/* 1 for unknowns whose initial equation is that they have their start value. */
+extern const unsigned char model_start_kept[MODEL_ROOM(MODEL_NV)];
+
 /* Compute the dependent parameters from the independent ones, in place. */
 void model_parameters(double *p);
 
