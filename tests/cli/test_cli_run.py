@@ -13,7 +13,7 @@ from typer.testing import Result
 from cosim import engine
 from cosim.cli import _run
 from cosim.engine import SimulationInterrupted
-from cosim.errors import BuildError, SimulationError
+from cosim.errors import BuildError, InputError, SimulationError
 
 Cosim = Callable[..., Result]
 LINE = "x: 1 s in 0.25 s, 4 times real time; 3 exchanges; 40 solver steps; 0 events; results in {}\n"
@@ -88,6 +88,16 @@ def test_wrong_input_is_refused_before_the_run(
     )
     assert simulated == []
     assert not Path("results").exists()
+
+
+def test_a_refusal_by_the_engine_names_the_file(
+    cosim: Cosim, scenario: Path, fail: Callable[[BaseException], None]
+) -> None:
+    fail(InputError("there is no room"))
+    done = cosim("run", scenario)
+    assert (done.exit_code, done.stderr) == (2, f"error: {scenario}: there is no room\n")
+    fail(InputError("there is no room", file="x.fmu"))
+    assert cosim("run", scenario).stderr == "error: x.fmu: there is no room\n"
 
 
 def test_an_unknown_plant(cosim: Cosim, scenario: Path) -> None:

@@ -349,6 +349,25 @@ def test_a_parameter_beyond_the_range_of_its_type(fmu: Get) -> None:
     assert refuse(system, FmuError) == "c.updates: 2147483648 does not fit; it is an Int32"
 
 
+def test_more_rows_than_memory_are_refused(fmu: Get) -> None:
+    system = System([Component("c", fmu("integrator"))])
+    assert refuse(system, stop=1e10, output_interval=1e-4) == (
+        "the result would have 1e+14 rows of 4 columns, which take 3.2e+06 GB of memory, more than there is; "
+        "set a longer output_interval or an earlier stop"
+    )
+    assert "inf rows" in refuse(system, stop=1e308, output_interval=1e-4)
+
+
+def test_memory_that_is_not_to_be_had_is_refused_alike(fmu: Get, monkeypatch: pytest.MonkeyPatch) -> None:
+    def none_left(*_: object, **__: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("cosim.engine._record.np.empty", none_left)
+    assert refuse(System([Component("c", fmu("integrator"))])).startswith(
+        "the result would have 11 rows of 4 columns, which take 3.52e-07 GB of memory, more than there is; set a longer "
+    )
+
+
 def test_an_interrupted_run_keeps_its_rows(fmu: Get) -> None:
     def stop_there(t: float) -> None:
         if t > 0.0:

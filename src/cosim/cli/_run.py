@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -36,12 +37,14 @@ def explain_files(files: Sequence[Path], settings: Sequence[str], screen: Screen
         outcomes.append(outcome)
         try:
             scenario = read(file, settings)
-            outcome.timing = explain_timing(
-                _assemble(scenario, outcome, screen),
-                stop=scenario.stop,
-                output_interval=scenario.output_interval,
-                tolerance=scenario.tolerance,
-            )
+            system = _assemble(scenario, outcome, screen)
+            with _naming(file):
+                outcome.timing = explain_timing(
+                    system,
+                    stop=scenario.stop,
+                    output_interval=scenario.output_interval,
+                    tolerance=scenario.tolerance,
+                )
             screen.say(f"{file}\n\n{outcome.timing}\n")
         except CosimError as error:
             outcome.exit_code, outcome.message = error.exit_code, str(error)
@@ -122,7 +125,7 @@ def _assemble(scenario: Scenario, outcome: Outcome, screen: Screen) -> System:
 def _simulate(scenario: Scenario, system: System, outcome: Outcome, screen: Screen) -> Result | None:
     """Simulate; a run that ends early leaves its message in ``outcome`` and gives what it had, None if nothing."""
     try:
-        with screen.progress(scenario.path.stem, scenario.stop) as progress:
+        with _naming(scenario.path), screen.progress(scenario.path.stem, scenario.stop) as progress:
             return simulate(
                 system,
                 stop=scenario.stop,
@@ -136,6 +139,17 @@ def _simulate(scenario: Scenario, system: System, outcome: Outcome, screen: Scre
         outcome.message = f"{scenario.path}: {str(error) or 'interrupted'}"
         partial: Result | None = getattr(error, "result", None)
         return partial
+
+
+@contextmanager
+def _naming(file: Path) -> Iterator[None]:
+    """Put the scenario's name in front of a refusal that names no file."""
+    try:
+        yield
+    except InputError as error:
+        if error.file is not None:
+            raise
+        raise InputError(str(error), file=file) from error
 
 
 def _account(file: Path, summary: dict[str, object], folder: Path) -> str:

@@ -12,7 +12,7 @@ from cosim.engine._instance import CallError, instantiate
 from cosim.engine._loop import run, run_jacobi
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Plan, make_plan, roles_of
-from cosim.engine._record import Record, failure_message, output_grid
+from cosim.engine._record import Record, failure_message
 from cosim.engine._role import Role
 from cosim.engine._system import SAME_INSTANT, System, dotted
 from cosim.engine._trace import Component, Enough, Trace, TracedParticipant, Travel
@@ -72,7 +72,7 @@ def _traced(
             stack.callback(instance.free)
             instances[component.name] = instance
         plan = make_plan(system, roles, instances, output_interval, partial(TracedParticipant, trace=trace))
-        record = Record.empty(output_grid(stop, output_interval), plan.recorded, "python")
+        record = Record.empty(stop, output_interval, plan.recorded, "python")
         trace.begin(plan, {channel.target: channel.times for channel in system.channels})
         try:
             for name, instance in instances.items():

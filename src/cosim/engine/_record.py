@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from array import array
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.engine._instance import CallError
 from cosim.engine._system import SAME_INSTANT
+from cosim.errors import InputError
 
 
 @dataclass
@@ -29,14 +31,37 @@ class Record:
     exchanges: int = 0
 
     @classmethod
-    def empty(cls, grid: NDArray[np.float64], width: int, loop: str) -> Record:
-        """Return a record without rows; each column of ``rows`` lies in one piece, as the result needs it."""
-        return cls(grid, np.empty((len(grid), width), order="F"), loop)
+    def empty(cls, stop: float, interval: float, width: int, loop: str) -> Record:
+        """Return a record without rows; each column of ``rows`` lies in one piece, as the result needs it.
+
+        Raises InputError if the rows do not fit into the memory of this machine.
+        """
+        rows = (stop - SAME_INSTANT) / interval + 1.0
+        size = 8.0 * rows * (width + 1)
+        refusal = InputError(
+            f"the result would have {rows:.3g} rows of {width + 1} columns, which take {size / 1e9:.3g} GB of memory, "
+            "more than there is; set a longer output_interval or an earlier stop"
+        )
+        if size > _memory():
+            raise refusal
+        try:
+            grid = output_grid(stop, interval)
+            return cls(grid, np.empty((len(grid), width), order="F"), loop)
+        except MemoryError as error:
+            raise refusal from error
 
     def put(self, values: array[float]) -> None:
         """Append a row: the first of these values."""
         self.rows[self.count] = values[: self.rows.shape[1]]
         self.count += 1
+
+
+def _memory() -> float:
+    """Return the memory of this machine [bytes]; infinite where an array that has no room is refused at once."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, OSError, ValueError):
+        return inf
 
 
 def output_grid(stop: float, interval: float) -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ from cosim.engine._loop import run, run_jacobi
 from cosim.engine._native import run_native
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Plan, make_plan, roles_of
-from cosim.engine._record import Record, failure_message, output_grid
+from cosim.engine._record import Record, failure_message
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._role import Role
 from cosim.engine._system import System
@@ -66,7 +66,7 @@ def simulate(
             event_mode = roles[component.name] is Role.EVENT
             instances[component.name] = instantiate(component.name, component.fmu, event_mode)
         plan = make_plan(system, roles, instances, output_interval)
-        record = Record.empty(output_grid(stop, output_interval), plan.recorded, "native" if library else "python")
+        record = Record.empty(stop, output_interval, plan.recorded, "native" if library else "python")
         started = time.perf_counter()
         try:
             for name, instance in instances.items():
