@@ -19,6 +19,7 @@ from cosim.engine import (
     PartialResultError,
     SimulationInterrupted,
     System,
+    explain_timing,
 )
 from cosim.errors import FmuError, InputError, SimulationError
 
@@ -274,6 +275,25 @@ def test_an_fmu_that_returns_early_although_it_must_not(fmu: Get) -> None:
     )
 
 
+@pytest.mark.parametrize("version", [2, 3])
+def test_parameters_that_an_fmu_refuses_are_wrong_input(fmu: Get, version: int) -> None:
+    system = System([Component("f", fmu("faulty", version), {"t_fault": -1.0})])
+    message = "f (faulty) refuses its parameters or inputs: t_fault is negative at 0 s; change them"
+    assert refuse(system) == message
+    with pytest.raises(InputError) as caught:
+        explain_timing(system, stop=0.1, output_interval=0.01, tolerance=1e-6)
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_another_failure_of_the_initialisation_is_one_of_the_simulation(fmu: Get, version: int) -> None:
+    error = fail(System([Component("f", fmu("faulty", version), {"t_fault": -2.0})]))
+    assert str(error) == (
+        f"the simulation failed during initialisation: f (faulty): fmi{version}ExitInitializationMode returned Error; "
+        f"the FMU says: it is too early at 0 s; {_CHECK}"
+    )
+
+
 def test_nan_is_blamed_on_its_origin(fmu: Get) -> None:
     system = System(
         [
@@ -364,7 +384,7 @@ def test_memory_that_is_not_to_be_had_is_refused_alike(fmu: Get, monkeypatch: py
 
     monkeypatch.setattr("cosim.engine._record.np.empty", none_left)
     assert refuse(System([Component("c", fmu("integrator"))])).startswith(
-        "the result would have 11 rows of 4 columns, which take 3.52e-07 GB of memory, more than there is; set a longer "
+        "the result would have 11 rows of 4 columns, which take 3.52e-07 GB of memory, more than there is; "
     )
 
 

@@ -1,13 +1,23 @@
 /* SPDX-License-Identifier: MIT-0
  *
  * y = t until t_fault; the step that passes it fails in the way that the parameter chooses.
+ * A negative t_fault is refused in initialisation, one below -1 without saying that an assertion is violated.
  */
+#define REFUSAL(m) refusal(m)
+static int refusal(void *instance);
 #include "shell.h"
 
 enum { FAULT = 1, T_FAULT, Y };
 enum { NONE = 1, NOT_A_NUMBER, RETURN_ERROR, RETURN_DISCARD, TERMINATE, SILENT_ERROR, FATAL, EARLY, TALKATIVE };
 
 static void start(Model *m) { m->v[FAULT] = NONE; }
+
+static int refusal(void *instance) {
+    Model *m = instance;
+    if (m->v[T_FAULT] >= 0.0) return OK;
+    say(m, m->v[T_FAULT] < -1.0 ? "it is too early" : "an assertion of the model is violated: t_fault is negative");
+    return ERROR;
+}
 
 static int event(Model *m) { return OK; }
 

@@ -15,6 +15,9 @@
 #define DISCARD 2
 #define ERROR 3
 #define ROOM 64
+#ifndef REFUSAL
+#define REFUSAL(m) OK /* the status with which initialisation ends */
+#endif
 #ifndef LENGTH
 #define LENGTH(reference) 1 /* the number of values that a reference stands for */
 #endif
@@ -70,7 +73,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fm
     return fmi2OK;
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return fmi2OK; }
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return (fmi2Status)REFUSAL(c); }
 fmi2Status fmi2Terminate(fmi2Component c) { return fmi2OK; }
 fmi2Status fmi2Reset(fmi2Component c) { return fmi2OK; }
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
@@ -145,7 +148,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean td, fmi3Float
                                        fmi3Float64 s) {
     return fmi3OK;
 }
-fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return fmi3OK; }
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return (fmi3Status)REFUSAL(c); }
 fmi3Status fmi3EnterEventMode(fmi3Instance c) { return fmi3OK; }
 fmi3Status fmi3EnterStepMode(fmi3Instance c) { return fmi3OK; }
 fmi3Status fmi3Terminate(fmi3Instance c) { return fmi3OK; }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections import deque
 from ctypes import byref
 from weakref import WeakValueDictionary
@@ -22,6 +23,7 @@ FAILED = 2
 """From this status on, a call has failed."""
 
 _KEPT = 5
+_ASSERTION = re.compile(r"\bassert(?:ion)?\b[^:]*:\s*(?P<reason>.+)", re.IGNORECASE | re.DOTALL)
 
 
 class Log:
@@ -39,6 +41,12 @@ class Log:
             text = message.decode("utf-8", "replace").strip()
             if text and text not in self._messages:
                 self._messages.append(text)
+
+    @property
+    def assertion(self) -> str | None:
+        """What the last assertion says that the FMU reports as violated; None if there is none."""
+        found = [match for message in self._messages if (match := _ASSERTION.search(message))]
+        return str(found[-1]["reason"]) if found else None
 
     def __str__(self) -> str:
         """Return what the FMU said, as part of a sentence."""

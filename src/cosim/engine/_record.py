@@ -80,9 +80,17 @@ def output_grid(stop: float, interval: float) -> NDArray[np.float64]:
 
 
 def failure_message(failure: CallError, record: Record) -> str:
-    """Return what the user reads of a failure: when, which component, what, and what to try."""
+    """Return what the user reads of a failure: when, which component, what, and what to try.
+
+    Raises InputError instead if a component could not be initialised because it does not take what it was given.
+    """
     instance = failure.instance
-    where = f"at t = {record.now:.9g} s" if record.exchanges or record.now else "during initialisation"
+    started = record.exchanges or record.now
+    if not started and (reason := instance.log.assertion):
+        raise InputError(
+            f"{instance.name} ({instance.fmu.name}) refuses its parameters or inputs: {reason}; change them"
+        ) from failure
+    where = f"at t = {record.now:.9g} s" if started else "during initialisation"
     return (
         f"the simulation failed {where}: {instance.name} ({instance.fmu.name}): {failure.what}; {instance.log}; "
         f"{failure.remedy}"

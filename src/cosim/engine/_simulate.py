@@ -48,7 +48,8 @@ def simulate(
     The environment variable COSIM_ENGINE chooses the loop: "native" is compiled on first use, "python" gives the same
     numbers, slower, "auto" (the default) is native if there is a library or a compiler, else Python.
 
-    Raises InputError (FmuError) before anything runs if the system, a parameter or a number given here cannot be used;
+    Raises InputError (FmuError) before anything runs if the system, a parameter or a number given here cannot be used,
+    or if a component refuses its parameters by an assertion;
     PartialResultError, a SimulationError, if a component fails, and SimulationInterrupted, a KeyboardInterrupt, on
     Ctrl-C: both carry the rows computed until then as ``result``.
     """
