@@ -153,6 +153,27 @@ def test_an_option_wins_over_a_line_with_another_spelling(build: Assemble) -> No
     assert system.components[0].parameters == {"ext_load": 5.0}
 
 
+@pytest.mark.parametrize(
+    ("line", "option", "sample"),
+    [
+        ("sample_time: 50 ms", "T_sample=10 ms", 10.0),
+        ("sample_time: 50 ms", "controller.T_sample=10 ms", 10.0),
+        ("set: T_sample = 50 ms", "sample_time=10 ms", 10.0),
+        ("set: T_sample = 50 ms", "plant.n=2", 50.0),
+    ],
+)
+def test_an_option_wins_over_either_name_of_the_sample_time(
+    build: Assemble, line: str, option: str, sample: float
+) -> None:
+    assert build(f"# {line}\n", "time [s]\n", option).components[1].parameters == {"T_sample": sample}
+
+
+def test_two_options_for_the_sample_time_are_refused(build: Assemble) -> None:
+    with pytest.raises(InputError) as error:
+        build("", "time [s]\n", "sample_time=10 ms", "T_sample=10 ms")
+    assert str(error.value) == "--set: 'sample_time' and 'controller.T_sample' are both given; keep one of them"
+
+
 def test_a_map_replaces_the_name(build: Assemble) -> None:
     system = build("# map: plant.tau_crank -> controller.torque\n# map: controller.duty -> plant.free\n")
     assert Connection(("plant", "tau_crank"), ("controller", "torque")) in system.connections

@@ -31,8 +31,8 @@ def assemble(scenario: Scenario, locate: Locate) -> System:
     if scenario.controller is not None:
         components.append(Component("controller", _load(scenario, "controller", scenario.controller, locate)))
     system = System(components)
-    _set_parameters(scenario, components)
-    _set_sample_time(scenario, components)
+    settings = _set_parameters(scenario, components)
+    _set_sample_time(scenario, components, settings.get(("controller", "T_sample")))
     system.connections = _connections(scenario, components)
     system.channels = _channels(scenario, components, system.connections)
     try:
@@ -70,7 +70,8 @@ def _load(scenario: Scenario, key: str, name: str, locate: Locate) -> Fmu:
         raise _located(error, scenario, line) from error
 
 
-def _set_parameters(scenario: Scenario, components: list[Component]) -> None:
+def _set_parameters(scenario: Scenario, components: list[Component]) -> dict[End, Setting]:
+    """Set the components' parameters; return what set each of them."""
     lines: dict[End, Setting] = {}
     for setting in scenario.settings:
         try:
@@ -84,10 +85,14 @@ def _set_parameters(scenario: Scenario, components: list[Component]) -> None:
             raise InputError(str(error), file=setting.file, line=setting.line) from error
         component = next(component for component in components if component.name == end[0])
         component.parameters[end[1]] = value
+    return lines
 
 
-def _set_sample_time(scenario: Scenario, components: list[Component]) -> None:
-    """Hand the sample time to the controller as ``T_sample``, which must be a multiple of its ``T_compute``."""
+def _set_sample_time(scenario: Scenario, components: list[Component], setting: Setting | None) -> None:
+    """Hand the sample time to the controller as ``T_sample``, which must be a multiple of its ``T_compute``.
+
+    ``setting`` is what has set ``T_sample`` by its name; of both that which is an option wins.
+    """
     controller = next((component for component in components if component.name == "controller"), None)
     sample = controller.fmu.variables.get("T_sample") if controller else None
     given = "sample_time" in scenario.key_lines
@@ -97,12 +102,14 @@ def _set_sample_time(scenario: Scenario, components: list[Component]) -> None:
             reason = "the controller has no parameter T_sample" if controller else "there is no controller"
             warnings.warn(f"{scenario.path}: 'sample_time' has no effect, {reason}", ScenarioWarning, stacklevel=3)
         return
-    if "T_sample" not in controller.parameters:
-        controller.parameters["T_sample"] = convert(scenario.sample_time, _SECOND, parse(sample.unit or "s"))
-    elif given:
+    if given and setting is not None and (line is None) == (setting.line is None):
         raise InputError(
-            "'sample_time' and 'controller.T_sample' are both given; keep one of them", file=scenario.path, line=line
+            "'sample_time' and 'controller.T_sample' are both given; keep one of them",
+            file=setting.file,
+            line=line,
         )
+    if setting is None or (given and line is None):
+        controller.parameters["T_sample"] = convert(scenario.sample_time, _SECOND, parse(sample.unit or "s"))
     compute = controller.fmu.variables.get("T_compute")
     period = controller.parameters.get("T_compute", compute.start) if compute else None
     if compute is None or not isinstance(period, float | int) or period <= 0:
