@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from test_engine_errors import repack, replacing
 
 from cosim.engine import Component, Connection, Fmu, Role, System, Variable, role_of, simulate
 
@@ -37,6 +38,44 @@ def test_description(fmu: Get, fmu_path: Callable[[str, int], Path], version: in
     assert sampler.variables["enable"] == Variable("enable", "Boolean", "input", "discrete", None, None, True, 2, None)
     assert sampler.variables["count"].type == "Integer"
     assert sampler.variables["side"].literals == ("left", "middle", "right")
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(
+    ("attributes", "bounds"),
+    [
+        ('min="-1" max="2.5"', (-1.0, 2.5)),
+        ('max="2.5"', (None, 2.5)),
+        ('min="-INF" max="INF"', (None, None)),
+        ('min="low"', (None, None)),
+    ],
+)
+def test_declared_ranges(
+    fmu_path: Callable[[str, int], Path],
+    tmp_path: Path,
+    version: int,
+    attributes: str,
+    bounds: tuple[float | None, float | None],
+) -> None:
+    edit = replacing('unit="m"', f'unit="m" {attributes}')
+    with Fmu.read(repack(fmu_path("sampler", version), tmp_path / "x.fmu", edit)) as bounded:
+        u, enable = bounded.variables["u"], bounded.variables["enable"]
+    assert (u.minimum, u.maximum) == bounds
+    assert (enable.minimum, enable.maximum) == (None, None)
+
+
+@pytest.mark.parametrize(("own", "bounds"), [("", (0.5, 1.0)), (' min="0.75"', (0.75, 1.0))])
+def test_a_range_may_be_that_of_the_type(
+    fmu_path: Callable[[str, int], Path], tmp_path: Path, own: str, bounds: tuple[float, float]
+) -> None:
+    def edit(name: str, content: bytes) -> tuple[str, bytes]:
+        of_type = b'<TypeDefinitions><Float64Type name="Share" min="0.5" max="1"/>'
+        of_variable = f'declaredType="Share"{own} unit="m"'.encode()
+        return name, content.replace(b"<TypeDefinitions>", of_type).replace(b'unit="m"', of_variable)
+
+    with Fmu.read(repack(fmu_path("sampler", 3), tmp_path / "x.fmu", edit)) as bounded:
+        u = bounded.variables["u"]
+    assert (u.minimum, u.maximum) == bounds
 
 
 def test_roles(fmu: Get) -> None:

@@ -23,8 +23,10 @@ def variable(
     kind: str = "Real",
     start: float | str | None = None,
     literals: tuple[str, ...] | None = None,
+    minimum: float | None = None,
+    maximum: float | None = None,
 ) -> Variable:
-    return Variable(name, kind, causality, "continuous", unit, None, start, 0, literals)
+    return Variable(name, kind, causality, "continuous", unit, None, start, 0, literals, None, minimum, maximum)
 
 
 def fmu(name: str, *variables: Variable) -> Fmu:
@@ -39,7 +41,7 @@ def fmu(name: str, *variables: Variable) -> Fmu:
 
 PLANT = fmu(
     "Plant",
-    variable("duty", "input", "1", start=0.0),
+    variable("duty", "input", "1", start=0.0, minimum=0.0, maximum=1.1),
     variable("v_supply", "input", "V", start=28.0),
     variable("lights", "input", kind="Boolean"),
     variable("gear", "input", kind="Enumeration", literals=("LOW", "HIGH")),
@@ -49,8 +51,8 @@ PLANT = fmu(
     variable("tau_crank", "output", "N.m"),
     variable("park", "output", kind="Boolean"),
     variable("ext_load", "parameter", "N.m", start=3.0),
-    variable("motor.R", "parameter", "Ohm", start=1.91),
-    variable("n", "parameter", kind="Integer", start=2),
+    variable("motor.R", "parameter", "Ohm", start=1.91, minimum=0.0),
+    variable("n", "parameter", kind="Integer", start=2, minimum=1, maximum=256),
     variable("brake", "parameter", kind="Boolean"),
     variable("load", "parameter", kind="Enumeration", literals=("simple", "naive")),
     variable("file", "parameter", kind="String"),
@@ -64,7 +66,7 @@ CONTROLLER = fmu(
     variable("torque", "input", "N.m"),
     variable("duty", "output", "1"),
     variable("T_compute", "parameter", "s", start=0.001),
-    variable("T_sample", "parameter", "ms", start=20.0),
+    variable("T_sample", "parameter", "ms", start=20.0, maximum=1000.0),
 )
 OTHER = fmu("Other", variable("volt", "input", "V"), variable("u", "output", "1"), variable("ext_load", "parameter"))
 CLASH = fmu("Clash", variable("i_motor", "input", "V"), variable("duty", "output", "1"))
@@ -174,6 +176,12 @@ def test_two_options_for_the_sample_time_are_refused(build: Assemble) -> None:
     assert str(error.value) == "--set: 'sample_time' and 'controller.T_sample' are both given; keep one of them"
 
 
+def test_bounds_are_reached_in_any_unit(build: Assemble) -> None:
+    system = build("# set: motor.R = 0 mOhm\n# set: n = 256\n", "time [s],duty [%]\n0,0\n1,110\n", controller="none")
+    assert system.components[0].parameters == {"motor.R": 0.0, "n": 256}
+    assert system.channels[0].values == pytest.approx([0.0, 1.1])
+
+
 def test_a_map_replaces_the_name(build: Assemble) -> None:
     system = build("# map: plant.tau_crank -> controller.torque\n# map: controller.duty -> plant.free\n")
     assert Connection(("plant", "tau_crank"), ("controller", "torque")) in system.connections
@@ -211,6 +219,10 @@ INPUTS = "inputs are plant.duty, plant.v_supply, plant.lights, plant.gear, plant
             "set: ext_load = much",
             "4: 'plant.ext_load': 'much' is not a number with a unit; write it like 20 ms or 4.5 N.m",
         ),
+        ("set: motor.R = -10 mOhm", "4: plant.motor.R = -0.01 Ohm is below its minimum 0 Ohm"),
+        ("set: n = 0", "4: plant.n = 0 is below its minimum 1"),
+        ("set: n = 257", "4: plant.n = 257 is above its maximum 256"),
+        ("sample_time: 2 s", "4: 'sample_time': controller.T_sample = 2000 ms is above its maximum 1000 ms"),
         ("set: n = 1.5", "4: 'plant.n' is an Integer, '1.5' is not; write a whole number"),
         ("set: brake = 2", "4: 'plant.brake' is a Boolean, '2' is not; write 0 or 1"),
         (
@@ -277,6 +289,8 @@ def test_lines_that_are_refused(refusal: Callable[..., str], line: str, message:
         ),
         ("lights [V]\n0,1", "4:2: column 'lights' is in V, 'plant.lights' is Boolean; write 'lights [1]'"),
         ("lights\n0,1\n1,0.5", "6:2: 0.5 in column 'lights': 'plant.lights' takes 0 and 1"),
+        ("duty [%]\n0,0\n1,-1", "6:2: plant.duty = -0.01 is below its minimum 0"),
+        ("free,duty\n0,0,0\n1,0,2", "6:3: plant.duty = 2 is above its maximum 1.1"),
         ("gear\n0,1\n1,3", "6:2: 3 in column 'gear': 'plant.gear' takes whole numbers from 1 to 2"),
         (
             "duty [1],plant.duty [1]\n0,1,1",

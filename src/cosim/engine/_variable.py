@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass
 
 from fmpy.model_description import ModelVariable
@@ -19,6 +20,7 @@ class Variable:
     FMI's grammar, None if the FMU gives none. ``literals`` holds the names of an enumeration, literal ``i`` (from 0)
     belonging to the value ``i + 1``; it is None for other types and for an enumeration that is numbered otherwise.
     ``array`` is the name of the array (FMI 3.0) that it is an element of; all elements have its value reference.
+    ``minimum`` and ``maximum`` bound the values of a Real, Integer or Enumeration, None where there is no bound.
     """
 
     name: str
@@ -31,6 +33,8 @@ class Variable:
     value_reference: int
     literals: tuple[str, ...] | None
     array: str | None = None
+    minimum: float | None = None
+    maximum: float | None = None
 
 
 def type_of(fmi_type: str) -> str | None:
@@ -82,6 +86,8 @@ def variables_of(described: ModelVariable) -> list[Variable]:
             value_reference=described.valueReference,
             literals=_literals_of(described) if kind == "Enumeration" else None,
             array=described.name if described.shape else None,
+            minimum=_bound_of(kind, described.min, declared.min if declared else None),
+            maximum=_bound_of(kind, described.max, declared.max if declared else None),
         )
         for name, start in zip(names, starts, strict=True)
     ]
@@ -95,6 +101,17 @@ def _start_of(kind: str, text: str | None) -> Value | None:
     if kind == "Boolean":
         return text in ("true", "1")
     return text if kind == "String" else int(text)
+
+
+def _bound_of(kind: str, own: str | None, declared: str | None) -> float | None:
+    """Return a variable's own bound, or its type's; None if there is none, or one that is infinite or no number."""
+    if kind not in ("Real", "Integer", "Enumeration"):
+        return None
+    try:
+        bound = float(own or declared or "inf")
+    except ValueError:
+        return None
+    return bound if math.isfinite(bound) else None
 
 
 def _literals_of(described: ModelVariable) -> tuple[str, ...] | None:

@@ -10,7 +10,7 @@ from cosim.engine import Channel, Component, Connection, Fmu, System
 from cosim.errors import InputError
 from cosim.scenario._model import Column, Scenario, ScenarioWarning, Setting
 from cosim.scenario._names import End, dotted, find_end, resolve
-from cosim.scenario._values import channel_values, connection_map, parameter_value
+from cosim.scenario._values import channel_values, check_range, connection_map, parameter_value
 from cosim.units import convert, parse
 
 Locate = Callable[[str], Path]
@@ -109,7 +109,12 @@ def _set_sample_time(scenario: Scenario, components: list[Component], setting: S
             line=line,
         )
     if setting is None or (given and line is None):
-        controller.parameters["T_sample"] = convert(scenario.sample_time, _SECOND, parse(sample.unit or "s"))
+        value = convert(scenario.sample_time, _SECOND, parse(sample.unit or "s"))
+        try:
+            check_range(value, "controller.T_sample", sample)
+        except InputError as error:
+            raise InputError(f"'sample_time': {error}", file=scenario.path, line=line) from None
+        controller.parameters["T_sample"] = value
     compute = controller.fmu.variables.get("T_compute")
     period = controller.parameters.get("T_compute", compute.start) if compute else None
     if compute is None or not isinstance(period, float | int) or period <= 0:

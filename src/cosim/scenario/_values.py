@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import re
 import warnings
 from pathlib import Path
@@ -17,6 +18,27 @@ _BOOLEANS = {"0": False, "1": True, "false": False, "true": True}
 
 def parameter_value(text: str, name: str, variable: Variable) -> float | int | bool | str:
     """Read the value of a ``set`` line for a parameter, in the FMU's unit. Raises `InputError` if it does not fit."""
+    value = _parameter_value(text, name, variable)
+    if not isinstance(value, str):
+        check_range(value, name, variable)
+    return value
+
+
+def check_range(value: float, name: str, variable: Variable) -> None:
+    """Raise `InputError` if a value, in the FMU's unit, is outside the range that the FMU declares.
+
+    A bound that is missed by the rounding of a conversion of units is reached.
+    """
+    unit = f" {variable.unit}" if variable.unit not in (None, "1") else ""
+    for bound, beyond, which in (
+        (variable.minimum, operator.lt, "below its minimum"),
+        (variable.maximum, operator.gt, "above its maximum"),
+    ):
+        if bound is not None and beyond(value, bound) and not math.isclose(value, bound, rel_tol=1e-12):
+            raise InputError(f"{name} = {value:.12g}{unit} is {which} {bound:.12g}{unit}")
+
+
+def _parameter_value(text: str, name: str, variable: Variable) -> float | int | bool | str:
     match variable.type:
         case "String":
             return text
@@ -64,6 +86,10 @@ def channel_values(path: Path, column: Column, name: str, variable: Variable) ->
             raise InputError(
                 f"{value:g} in {header}: '{name}' takes {accepted}", file=path, line=line, column=column.position
             )
+        try:
+            check_range(value, name, variable)
+        except InputError as error:
+            raise InputError(str(error), file=path, line=line, column=column.position) from None
     return values
 
 
