@@ -65,6 +65,17 @@ def test_info(cosim: Cosim) -> None:
     assert ["ext_load", "parameter", "Real", "N.m", "3.0", "the", "ext_load", "[A]", "test"] in lines
 
 
+@pytest.mark.parametrize("terminal", [False, True])
+def test_info_keeps_names_and_hashes_whole(cosim: Cosim, monkeypatch: pytest.MonkeyPatch, terminal: bool) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    monkeypatch.setenv("FORCE_COLOR" if terminal else "NO_COLOR", "1")
+    text = cosim("info", "linkage").stdout
+    assert "\u2026" not in text
+    assert ("0" * 64 in text) == (not terminal)
+    assert text.count("0") >= 64
+    assert max(map(len, text.splitlines())) > 64 or terminal
+
+
 def test_info_as_json(cosim: Cosim, tmp_path: Path) -> None:
     (tmp_path / "own.fmu").touch()
     document = json.loads(cosim("info", "own.fmu", "--json").stdout)

@@ -14,6 +14,8 @@ from cosim.cli._screen import Screen
 from cosim.engine import Fmu, Variable
 from cosim.errors import InputError
 
+_UNLIMITED = 100_000
+"""Width of what is read by a program."""
 _SHOWN = ("input", "output", "structuralParameter", "parameter")
 
 
@@ -48,11 +50,17 @@ def _plain(variable: Variable) -> dict[str, object]:
 
 def _print(facts: dict[str, object], variables: list[Variable]) -> None:
     console = Console(highlight=False, markup=False)
+    if not console.is_terminal:
+        console.width = _UNLIMITED
     about = Table.grid(padding=(0, 2))
+    about.add_column(overflow="fold")
+    about.add_column(overflow="fold")
     for key, value in facts.items():
         about.add_row(key, ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value))
     console.print(about)
-    table = Table("name", "causality", "type", "unit", "start", "description", box=None, padding=(0, 1))
+    table = Table(box=None, padding=(0, 1))
+    for heading in ("name", "causality", "type", "unit", "start", "description"):
+        table.add_column(heading, overflow="fold")
     for variable in variables:
         literals = f" ({', '.join(variable.literals)})" if variable.literals else ""
         table.add_row(
