@@ -6,7 +6,9 @@ import json
 import subprocess
 import sys
 import warnings
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,11 +52,30 @@ def test_the_summary(result: Result, system: System) -> None:
 
 def test_every_parameter_has_value_unit_and_provenance(result: Result, system: System) -> None:
     assert summarize(result, system, RUN)["parameters"] == {
-        "plant.ext_load": {"value": 4.0, "unit": "N.m", "provenance": "[S] table 3.2", "set": True},
+        "plant.ext_load": {"value": 4.0, "unit": "N.m", "provenance": "set by the user", "set": True},
         "plant.J_rotor": {"value": 1e-4, "unit": "kg.m2", "provenance": "[A] 70 W-class motor", "set": False},
         "plant.i_max": {"value": "inf", "unit": "A", "provenance": None, "set": False},
         "controller.T_sample": {"value": 0.02, "unit": "s", "provenance": "[S] 3.5", "set": False},
     }
+
+
+def test_a_parameter_that_was_set_names_what_set_it(result: Result, system: System) -> None:
+    system.components[0].origins["ext_load"] = "--set"
+    parameters: Any = summarize(result, system, RUN)["parameters"]
+    assert parameters["plant.ext_load"]["provenance"] == "set by --set"
+
+
+def test_versions_are_those_of_all_that_makes_the_numbers(
+    result: Result, system: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def version(package: str) -> str:
+        if package == "rumoca":
+            raise PackageNotFoundError
+        return f"{package} 1"
+
+    monkeypatch.setattr("cosim.report._summary.version", version)
+    versions: Any = summarize(result, system, RUN)["versions"]
+    assert set(versions) == {"cosim", "python", "platform", "fmpy", "numpy", "pyarrow", "casadi", "ziglang"}
 
 
 def test_the_summary_without_statistics(system: System) -> None:

@@ -182,6 +182,15 @@ def test_bounds_are_reached_in_any_unit(build: Assemble) -> None:
     assert system.channels[0].values == pytest.approx([0.0, 1.1])
 
 
+def test_what_has_set_a_parameter_is_kept(build: Assemble) -> None:
+    lines = "# set: plant.ext_load = 4 N.m\n# set: n = 3\n"
+    plant, controller = build(lines, "time [s]\n", "n=4").components
+    assert plant.origins == {"ext_load": "the scenario", "n": "--set"}
+    assert controller.origins == {"T_sample": "the scenario's default sample_time"}
+    assert build("# sample_time: 10 ms\n").components[1].origins == {"T_sample": "the scenario"}
+    assert build("# sample_time: 10 ms\n", "time [s]\n", "T_sample=5 ms").components[1].origins == {"T_sample": "--set"}
+
+
 def test_a_map_replaces_the_name(build: Assemble) -> None:
     system = build("# map: plant.tau_crank -> controller.torque\n# map: controller.duty -> plant.free\n")
     assert Connection(("plant", "tau_crank"), ("controller", "torque")) in system.connections

@@ -25,11 +25,15 @@ _ACCEPTED = {
 
 @dataclass
 class Component:
-    """An FMU under the name it has in this system, and the parameters that differ from its start values (SI)."""
+    """An FMU under the name it has in this system, and the parameters that differ from its start values (SI).
+
+    ``origins`` tells for reports what has set them ("the scenario"), where that is known.
+    """
 
     name: str
     fmu: Fmu
     parameters: dict[str, Value] = field(default_factory=dict)
+    origins: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass

@@ -15,7 +15,7 @@ from cosim.engine import Component, Result, System, Variable
 _PROVENANCE = re.compile(r"\[[SA]\].*", re.DOTALL)
 # What the engine counts for each component, as it is called for one of them; its steps are calls of doStep.
 _SINGULAR = {"roles": "role", "steps": "do_steps"}
-_PACKAGES = ("fmpy", "numpy", "pyarrow")
+_PACKAGES = ("fmpy", "numpy", "pyarrow", "casadi", "rumoca", "ziglang")
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,8 @@ def parameters(system: System) -> dict[str, dict[str, object]]:
     """Return every parameter as ``component.name`` with value, unit and provenance.
 
     The provenance is the part of the FMU's description from ``[S]`` (the source says so, with place) or ``[A]``
-    (assumed, with reason) on; None if it has no such part. ``set`` tells whether the run changed the FMU's own value.
+    (assumed, with reason) on; None if it has no such part. It is that of the FMU's own value: where the run has set
+    another, which ``set`` tells, it is what has set it.
     """
     return {
         f"{component.name}.{variable.name}": _parameter(component, variable)
@@ -77,11 +78,14 @@ def parameters(system: System) -> dict[str, dict[str, object]]:
 
 def _parameter(component: Component, variable: Variable) -> dict[str, object]:
     value = component.parameters.get(variable.name, variable.start)
-    provenance = _PROVENANCE.search(variable.description or "")
+    described = _PROVENANCE.search(variable.description or "")
+    provenance = described[0].strip() if described else None
+    if variable.name in component.parameters:
+        provenance = f"set by {component.origins.get(variable.name, 'the user')}"
     return {
         "value": str(value) if isinstance(value, float) and not math.isfinite(value) else value,
         "unit": variable.unit,
-        "provenance": provenance[0].strip() if provenance else None,
+        "provenance": provenance,
         "set": variable.name in component.parameters,
     }
 
