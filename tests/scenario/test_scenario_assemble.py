@@ -276,6 +276,13 @@ def test_lines_that_are_refused(refusal: Callable[..., str], line: str, message:
     ("table", "message"),
     [
         ("dutty [1]\n0,1", f"4:2: unknown channel 'dutty', did you mean 'plant.duty'?; {INPUTS}"),
+        (
+            "duty[1]\n0,1",
+            f"4:2: unknown channel 'duty[1]', did you mean 'plant.duty'?; {INPUTS}; "
+            "if [1] is the unit, write 'duty [1]'",
+        ),
+        ("dutty[1]\n0,1", f"4:2: unknown channel 'dutty[1]', did you mean 'plant.duty'?; {INPUTS}"),
+        ("duty[2]\n0,1", f"4:2: unknown channel 'duty[2]', did you mean 'plant.duty'?; {INPUTS}"),
         ("i_motor [A]\n0,1", f"4:2: 'plant.i_motor' is an output, not an input; {INPUTS}"),
         (
             "ext_load [N.m]\n0,1",

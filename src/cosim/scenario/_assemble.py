@@ -203,8 +203,23 @@ def _channels(scenario: Scenario, components: list[Component], connections: list
     return channels
 
 
+def _missing_blank(name: str, components: list[Component]) -> str:
+    """Return advice on a header such as ``duty[1]``, which means an element of an array, where there is no array."""
+    plain = name.removesuffix("[1]")
+    if plain == name:
+        return ""
+    try:
+        resolve(plain, components, "input")
+    except InputError:
+        return ""
+    return f"; if [1] is the unit, write '{plain} [1]'"
+
+
 def _channel(scenario: Scenario, column: Column, components: list[Component], driven: dict[End, str]) -> Channel:
-    end, variable = resolve(column.name, components, "input")
+    try:
+        end, variable = resolve(column.name, components, "input")
+    except InputError as error:
+        raise InputError(f"{error}{_missing_blank(column.name, components)}") from error
     if end in driven:
         remedy = "remove the column" if scenario.controller is None else "remove the column or the controller"
         raise InputError(f"column '{column.name}': '{dotted(end)}' is driven already {driven[end]}; {remedy}")
