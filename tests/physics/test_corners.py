@@ -53,6 +53,15 @@ def test_every_start_is_exact_whatever_the_parameters(plant: tuple[str, Fmu]) ->
         assert result.columns["plant.w_crank"][-1] > 0.5
 
 
+def test_a_plant_rests_for_a_second_and_starts(plant: tuple[str, Fmu]) -> None:
+    _, fmu = plant
+    result = drive(fmu, 1.2, duty=((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)))
+    rest = result.time < 1.0
+    assert np.abs(result.columns["plant.w_crank"][rest]).max() < 1e-6
+    assert result.columns["plant.i_motor"][rest].max() < 1e-6
+    assert result.columns["plant.w_crank"][-1] > 1.0
+
+
 @pytest.mark.parametrize("torque", [-20.0, -5.0, -1e-3, 1e-3, 5.0, 20.0])
 def test_a_plant_can_be_pushed_from_rest(plant: tuple[str, Fmu], torque: float) -> None:
     _, fmu = plant

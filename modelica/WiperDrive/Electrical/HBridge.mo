@@ -8,7 +8,7 @@ model HBridge "Averaged H-bridge in one-quadrant mode with ideal freewheel diode
   constant Types.Inductance L_1 = 1 "Gives both branches of the bridge's law the same unit";
   constant Types.Voltage V_1 = 1 "Scale of the bridge's characteristic";
   constant Types.Current I_1 = 1 "Scale of the bridge's characteristic";
-  constant Types.Ratio rounding = 1e-9 "What rounding errors may make of a current or voltage of zero";
+  constant Types.Ratio rounding = 1e-9 "What rounding errors may make of a current of zero";
   Interfaces.Pin p "Output to the load";
   Interfaces.Pin n "Return from the load";
   Types.Voltage v "Voltage across the load";
@@ -33,10 +33,11 @@ equation
   braking = short_brake and duty <= 0;
   // Diode and limit are each a characteristic with one corner, through which its parameter passes steadily: on the one
   // side it is the current beyond the corner, on the other the drive's voltage beyond the load's.
-  s_diode = if blocking then (duty*v_supply - v)/V_1 else i/I_1;
-  blocking = s_diode < -rounding and not braking;
-  s_limit = if limiting then (duty*v_supply - v)/V_1 else (i - i_max)/I_1;
-  limiting = s_limit > rounding;
+  // The current has to pass its corner by more than rounding; the voltage then lies clearly on the side it has to.
+  s_diode = if blocking then (duty*v_supply - v)/V_1 else i/I_1 + rounding;
+  blocking = s_diode < 0 and not braking;
+  s_limit = if limiting then (duty*v_supply - v)/V_1 else (i - i_max)/I_1 - rounding;
+  limiting = s_limit > 0;
   // An event is found a little after the current has passed its bound.
   when blocking then
     reinit(i, 0);

@@ -61,9 +61,9 @@ def flatten(source: Source, model: str) -> FlatModel:
 def _tree(rumoca: Any, source: Source, text: str, model: str) -> dict[str, Any]:  # noqa: ANN401 - a module
     """rumoca's flat tree of a class of ``text``, which starts with that of ``source``.
 
-    rumoca takes a ``final`` parameter for a constant and decides asserts and ifs with its default value, although it may
-    follow from parameters that an importer sets. So it gets to see the equations without the keyword, and a second time
-    with it, for the flags alone.
+    rumoca takes a ``final`` parameter for a constant and decides asserts and ifs with its default value, although it
+    may follow from parameters that an importer sets. So it gets to see the equations without the keyword, and a second
+    time with it, for the flags alone.
     """
     plain = _FINAL.sub(lambda match: " " * len("final") if match.group(1) else match.group(), text)
     tree = _load(rumoca, source, plain, model)
