@@ -109,3 +109,23 @@ def test_a_filter_beyond_its_capacity_is_refused() -> None:
     system = System([Component("controller", fmu, {"T_filter": 2.0})], [], [])
     with pytest.raises(CosimError, match="T_filter must not exceed 1024 periods of T_compute"):
         simulate(system, stop=0.1, output_interval=0.01, tolerance=1e-6)
+
+
+def test_random_driving_pushing_braking_and_limiting_never_sticks(plant: tuple[str, Fmu]) -> None:
+    """Whatever the inputs do, every event finds a consistent state and the current keeps its bounds."""
+    name, fmu = plant
+    random = np.random.default_rng(77)
+    for k in range(100):
+        times = np.sort(random.uniform(0.0, 2.0, 8)).tolist()
+        duty = random.choice([0.0, 0.0, 1e-3, 0.3, 0.5, 1.0], 8).tolist()
+        torque = random.choice([0.0, 0.0, 5.0, -5.0, 1e-4, -1e-4, -20.0, 20.0], 8).tolist()
+        limit = random.uniform(1.0, 8.0) if k % 4 == 0 else 1000.0
+        parameters = {"short_brake": k % 3 == 0, "i_max": limit}
+        if name == "linkage":
+            parameters["naive_load"] = k % 5 == 0
+        channels = [Channel(("plant", "duty"), times, duty), Channel(("plant", "tau_disturbance"), times, torque)]
+        system = System([Component("plant", fmu, dict(parameters))], [], channels)
+        tolerance = float(10.0 ** random.uniform(-9.0, -4.0))
+        current = simulate(system, stop=2.5, output_interval=0.01, tolerance=tolerance).columns["plant.i_motor"]
+        assert current.min() >= 0.0
+        assert current.max() <= limit * (1.0 + 1e-6)
