@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from cosim import __version__
-from cosim.engine import Result, System
+from cosim.engine import Channel, Result, System
 from cosim.errors import InputError
 from cosim.report import Run, clear, plot, summarize, write
 
@@ -159,3 +159,13 @@ def test_nothing_to_draw(tmp_path: Path) -> None:
 def test_plots_and_parquet_are_imported_only_when_used() -> None:
     code = "import sys, cosim.report; assert not {'matplotlib', 'pyarrow', 'pandas'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_summary_tells_what_holding_a_linear_channel_errs(result: Result, system: System) -> None:
+    ramp = Channel(("plant", "v_supply"), [0.0, 1.0, 1.0, 3.0], [28.0, 28.0, 24.0, 6.0], linear=True)
+    held = Channel(("plant", "duty"), [0.0, 1.0], [0.0, 1.0])
+    driven = System(system.components, [], [ramp, held])
+    summary = summarize(result, driven, Run(stop=3.0, output_interval=0.1, tolerance=1e-6))
+    # 18 V in 2 s are 0.9 V in 0.1 s, of which the middle is at most half away; the step at 1 s is exact
+    held_for, error = 0.1, pytest.approx(0.45)
+    assert summary["linear_channels"] == {"plant.v_supply": {"held_for_s": held_for, "largest_input_error": error}}
