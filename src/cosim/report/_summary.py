@@ -66,9 +66,8 @@ def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
 def linear_channels(system: System, output_interval: float) -> dict[str, dict[str, float]]:
     """Return, for each linear channel, how long a continuous component sees one value of it, and what that errs.
 
-    FMI hands no slope on here: over a step of ``output_interval`` [s] such an input holds its value in the middle of the
-    step. The largest error, in the input's unit, is half its largest change within a step; a step of the channel itself
-    is exact.
+    No slope is handed on: over a step of ``output_interval`` [s] such an input holds its value in the middle of the step.
+    The largest error, in the input's unit, is half its largest change within a step; a step of the channel is exact.
     """
     found: dict[str, dict[str, float]] = {}
     for channel in system.channels:
