@@ -66,7 +66,7 @@ def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
 def linear_channels(system: System, output_interval: float) -> dict[str, dict[str, float]]:
     """Return, for each linear channel, how long a continuous component sees one value of it, and what that errs.
 
-    No slope is handed on: over a step of ``output_interval`` [s] such an input holds its value in the middle of the step.
+    No slope is handed on: over a step of ``output_interval`` [s] such an input holds its value in the step's middle.
     The largest error, in the input's unit, is half its largest change within a step; a step of the channel is exact.
     """
     found: dict[str, dict[str, float]] = {}
