@@ -9,12 +9,6 @@ typedef Status (*DoStep3)(void *, double, double, bool, bool *, bool *, bool *, 
 typedef Status (*Enter)(void *);
 typedef Status (*Update)(void *, bool *, bool *, bool *, bool *, bool *, double *);
 
-bool fail(Engine *engine, const Component *component, FailureKind kind) {
-    engine->failure.kind = kind;
-    engine->failure.component = component->number;
-    return false;
-}
-
 static bool check(Engine *engine, const Component *component, CalledFunction function, Status status) {
     if (status < FAILED) return true;
     engine->failure.function = function;
