@@ -202,7 +202,6 @@ def _draw(result: Result, axes: list[_Axis], path: Path, title: str, start: floa
     grid[-1].set_xlabel("time [s]")
     if title:
         figure.suptitle(title, fontsize=12, fontweight="bold")
-    figure.align_ylabels(list(grid))
     # Unlike savefig, which draws once more to measure, this draws once.
     canvas.print_png(str(path), pil_kwargs={"compress_level": 1})  # type: ignore[no-untyped-call]
     return path
