@@ -114,6 +114,8 @@ def typed_attributes(slot: Slot) -> dict[str, str]:
             value = getattr(expression, "value", None)
             if isinstance(value, int | float) and not isinstance(value, bool):
                 attributes[attribute] = repr(float(value))
+        if slot.scalar is not None and slot.scalar.nominal != 1.0:
+            attributes["nominal"] = repr(slot.scalar.nominal)
     if slot.start is not None:
         attributes["start"] = _start(slot, slot.start)
     return attributes
