@@ -8,6 +8,7 @@ from ctypes import Array, Structure, addressof, c_double, c_int32, c_int64, c_si
 from typing import Any
 
 from cosim.engine._channels import Line, Schedule
+from cosim.engine._instance import Access
 from cosim.engine._participant import InputGroup, OutputGroup, Participant, Wire
 from cosim.engine._plan import Plan
 from cosim.engine._record import Record
@@ -22,10 +23,14 @@ class _Wire(Structure):
     _fields_ = [("factor", c_double), ("offset", c_double), ("source", c_int64)]
 
 
+class _Extent(Structure):
+    _fields_ = [("references", c_int64), ("values", c_int64)]
+
+
 class _Group(Structure):
     _fields_ = [
         *((name, c_void_p) for name in ("access", "references", "memory", "doubles", "wires")),
-        *((name, c_int64) for name in ("count", "connected", "n_references", "n_connected")),
+        ("extents", 2 * _Extent),
         *((name, c_int32) for name in ("type", "number")),
     ]
 
@@ -40,7 +45,8 @@ class _Component(Structure):
         ("instance", c_void_p),
         *((name, c_void_p) for name in _functions),
         *((name, c_void_p) for name in ("inputs", "outputs", "triggers")),
-        *((name, c_int64) for name in ("n_inputs", "n_outputs", "n_triggers")),
+        *((name, c_int64) for name in ("n_inputs", "n_triggers")),
+        ("n_outputs", 2 * c_int64),
         *((name, c_double) for name in ("period", "due", "time")),
         *((name, c_int64) for name in ("ticks", "steps", "events")),
         *((name, c_int32) for name in ("fmi", "role", "number", "in_event_mode", "event_needed", "stale")),
@@ -83,7 +89,7 @@ class Engine(Structure):
         *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines")),
         *((name, c_int64) for name in ("row", "change", "exchanges", "macro_steps")),
         *((name, c_double) for name in ("now", "step")),
-        *((name, c_int32) for name in ("coupled", "started")),
+        *((name, c_int32) for name in ("coupled", "started", "not_a_number", "unused")),
         ("failure", _Failure),
     ]
 
@@ -163,7 +169,7 @@ class Tables:
             number=number,
             in_event_mode=participant.in_event_mode,
             n_inputs=len(participant.input_groups),
-            n_outputs=len(participant.output_groups),
+            n_outputs=_counts(participant.output_groups),
             n_triggers=len(participant.triggers),
         )
         if participant.role is Role.EVENT:
@@ -186,8 +192,7 @@ class Tables:
             memory=group.access.address,
             doubles=self._inputs + 8 * group.start,
             wires=self._keep((_Wire * len(group.wires))(*map(_wire, group.wires))),
-            count=len(group.wires),
-            n_references=len(group.access.references),
+            extents=_extents(None, group.access),
             type=_type(participant, group),
             number=number,
         )
@@ -199,10 +204,7 @@ class Tables:
             references=addressof(group.whole.references),
             memory=group.whole.address,
             doubles=self._values + 8 * group.start,
-            count=group.whole.length,
-            connected=group.connected.length if group.connected else 0,
-            n_references=len(group.whole.references),
-            n_connected=len(group.connected.references) if group.connected else 0,
+            extents=_extents(group.connected, group.whole),
             type=_type(participant, group),
             number=number,
         )
@@ -225,6 +227,14 @@ def _type(participant: Participant, group: InputGroup | OutputGroup) -> int:
     if group.fmi_type == "String":
         return _TEXT
     return _TYPES[participant.instance.type_codes[group.fmi_type]]
+
+
+def _counts(groups: Sequence[OutputGroup]) -> Array[c_int64]:
+    return (c_int64 * 2)(sum(group.connected is not None for group in groups), len(groups))
+
+
+def _extents(connected: Access | None, whole: Access) -> Array[_Extent]:
+    return (_Extent * 2)(*(_Extent(len(a.references), a.length) if a else _Extent() for a in (connected, whole)))
 
 
 def _wire(wire: Wire) -> _Wire:

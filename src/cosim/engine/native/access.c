@@ -2,35 +2,35 @@
  *
  * Between the signals and the FMUs: inputs are set if they have changed, outputs are read if somebody takes them.
  */
-#include "engine.h"
-
 typedef Status (*Access2)(void *, const ValueReference *, size_t, void *);
 typedef Status (*Access3)(void *, const ValueReference *, size_t, void *, size_t);
 
-static bool call(Engine *engine, const Component *component, const Group *group, bool whole) {
-    const size_t n = (size_t)(whole ? group->n_references : group->n_connected);
-    const size_t n_values = (size_t)(whole ? group->count : group->connected);
-    const Status status =
-        component->fmi == 2
-            ? ((Access2)group->access)(component->instance, group->references, n, group->memory)
-            : ((Access3)group->access)(component->instance, group->references, n, group->memory, n_values);
-    if (status < FAILED) return true;
+RARE bool refused(Engine *engine, const Component *component, const Group *group, Status status) {
     engine->failure.function = ACCESS;
     engine->failure.group = group->number;
     engine->failure.status = status;
     return fail(engine, component, CALL_FAILED);
 }
 
+OFTEN bool call(Engine *engine, const Component *component, const Group *group, const Extent *extent) {
+    const size_t n = (size_t)extent->references, n_values = (size_t)extent->values;
+    const Status status =
+        component->fmi == 2
+            ? ((Access2)group->access)(component->instance, group->references, n, group->memory)
+            : ((Access3)group->access)(component->instance, group->references, n, group->memory, n_values);
+    return status < FAILED || refused(engine, component, group, status);
+}
+
 /* Fractions are cut off before the range is looked at, as int() does. The limits are written so that they are exact. */
 #define STORE(type, lowest, beyond)                                                            \
-    for (int64_t i = 0; i < group->count; i++) {                                               \
+    for (int64_t i = 0; i < group->extents[WHOLE].values; i++) {                                               \
         const double whole = trunc(group->doubles[i]);                                         \
         if (!(whole >= (lowest) && whole < (beyond))) return out_of_range(engine, component, group, i); \
         ((type *)group->memory)[i] = (type)whole;                                              \
     }                                                                                          \
     return true
 
-static bool out_of_range(Engine *engine, const Component *component, const Group *group, int64_t i) {
+RARE bool out_of_range(Engine *engine, const Component *component, const Group *group, int64_t i) {
     engine->failure.group = group->number;
     engine->failure.value = group->doubles[i];
     return fail(engine, component, OUT_OF_RANGE);
@@ -40,7 +40,7 @@ static bool store(Engine *engine, const Component *component, const Group *group
     switch ((Type)group->type) {
         case FLOAT64: return true;
         case FLOAT32:
-            for (int64_t i = 0; i < group->count; i++) ((float *)group->memory)[i] = (float)group->doubles[i];
+            for (int64_t i = 0; i < group->extents[WHOLE].values; i++) ((float *)group->memory)[i] = (float)group->doubles[i];
             return true;
         case INT8: STORE(int8_t, -0x1p7, 0x1p7);
         case UINT8: STORE(uint8_t, 0.0, 0x1p8);
@@ -51,7 +51,7 @@ static bool store(Engine *engine, const Component *component, const Group *group
         case INT64: STORE(int64_t, -0x1p63, 0x1p63);
         case UINT64: STORE(uint64_t, 0.0, 0x1p64);
         case TEXT:
-            for (int64_t i = 0; i < group->count; i++) {
+            for (int64_t i = 0; i < group->extents[WHOLE].values; i++) {
                 ((const char **)group->memory)[i] = text_of(engine, group->wires[i].source);
             }
             return true;
@@ -90,33 +90,45 @@ static bool load(Engine *engine, const Component *component, const Group *group,
     return true;
 }
 
-bool write_inputs(Engine *engine, Component *component) {
-    for (const Group *group = component->inputs; group < component->inputs + component->n_inputs; group++) {
+/* Doubles are set and read where they lie. */
+OFTEN bool write_inputs(Engine *engine, const Component *component) {
+    const double *const values = engine->values;
+    const Group *const end = component->inputs + component->n_inputs;
+    for (const Group *group = component->inputs; group < end; group++) {
+        const Extent *extent = &group->extents[WHOLE];
         bool changed = false;
-        for (int64_t i = 0; i < group->count; i++) {
+        for (int64_t i = 0; i < extent->values; i++) {
             const Wire *wire = &group->wires[i];
-            const double value = engine->values[wire->source] * wire->factor + wire->offset;
+            const double value = values[wire->source] * wire->factor + wire->offset;
             if (value != group->doubles[i]) {
                 group->doubles[i] = value;
                 changed = true;
             }
         }
-        if (changed && !(store(engine, component, group) && call(engine, component, group, true))) return false;
+        if (!changed) continue;
+        if (group->type != FLOAT64 && !store(engine, component, group)) return false;
+        if (!call(engine, component, group, extent)) return false;
     }
     return true;
 }
 
-bool read_outputs(Engine *engine, Component *component, bool recording) {
-    for (const Group *group = component->outputs; group < component->outputs + component->n_outputs; group++) {
-        const int64_t count = recording ? group->count : group->connected;
-        if (count == 0) continue;
-        if (!call(engine, component, group, recording) || !load(engine, component, group, count)) return false;
+OFTEN bool read_outputs(Engine *engine, Component *component, bool recording) {
+    int strange = 0;
+    const Group *const end = component->outputs + component->n_outputs[recording];
+    for (const Group *group = component->outputs; group < end; group++) {
+        const Extent *extent = &group->extents[recording];
+        if (!call(engine, component, group, extent)) return false;
+        if (group->type != FLOAT64 && !load(engine, component, group, extent->values)) return false;
+        if (group->type <= FLOAT32) {
+            for (int64_t i = 0; i < extent->values; i++) strange |= isnan(group->doubles[i]);
+        }
     }
+    engine->not_a_number |= strange;
     component->stale = !recording;
     return true;
 }
 
-bool triggered(const Engine *engine, const Component *component) {
+static inline bool triggered(const Engine *engine, const Component *component) {
     for (int64_t i = 0; i < component->n_triggers; i++) {
         const Trigger *trigger = &component->triggers[i];
         if (engine->values[trigger->wire.source] * trigger->wire.factor + trigger->wire.offset != *trigger->input) {

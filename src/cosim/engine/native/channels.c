@@ -2,10 +2,12 @@
  *
  * Inputs that are driven from tables.
  */
-#include "engine.h"
+static inline double next_change(const Engine *engine) {
+    return engine->change < engine->n_changes ? engine->changes[engine->change].time : INFINITY;
+}
 
 /* Of two changes at one time the second stays. */
-void apply_changes(Engine *engine, double t) {
+static void apply_changes(Engine *engine, double t) {
     while (next_change(engine) <= t + SAME_INSTANT) {
         const Change *change = &engine->changes[engine->change++];
         if (change->slot >= 0) engine->values[change->slot] = change->value;
@@ -28,13 +30,13 @@ static double value_at(const Line *line, double t) {
     return y0 + (y1 - y0) * passed / (t1 - t0);
 }
 
-void set_middles(Engine *engine, double middle) {
+static void set_middles(Engine *engine, double middle) {
     for (const Line *line = engine->lines; line < engine->lines + engine->n_lines; line++) {
         engine->values[line->middle] = value_at(line, middle);
     }
 }
 
-void set_lines(Engine *engine, double t) {
+static void set_lines(Engine *engine, double t) {
     for (const Line *line = engine->lines; line < engine->lines + engine->n_lines; line++) {
         engine->values[line->slot] = value_at(line, t);
     }

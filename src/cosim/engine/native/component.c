@@ -2,21 +2,22 @@
  *
  * Computing one component: steps, samples, events.
  */
-#include "engine.h"
-
 typedef Status (*DoStep2)(void *, double, double, int);
 typedef Status (*DoStep3)(void *, double, double, bool, bool *, bool *, bool *, double *);
 typedef Status (*Enter)(void *);
 typedef Status (*Update)(void *, bool *, bool *, bool *, bool *, bool *, double *);
 
-static bool check(Engine *engine, const Component *component, CalledFunction function, Status status) {
-    if (status < FAILED) return true;
+RARE bool call_failed(Engine *engine, const Component *component, CalledFunction function, Status status) {
     engine->failure.function = function;
     engine->failure.status = status;
     return fail(engine, component, CALL_FAILED);
 }
 
-bool do_step(Engine *engine, Component *component, double t, double h) {
+OFTEN bool check(Engine *engine, const Component *component, CalledFunction function, Status status) {
+    return status < FAILED || call_failed(engine, component, function, status);
+}
+
+OFTEN bool do_step(Engine *engine, Component *component, double t, double h) {
     component->steps++;
     if (component->fmi == 2) {
         return check(engine, component, DO_STEP, ((DoStep2)component->do_step)(component->instance, t, h, 1));
@@ -33,7 +34,7 @@ bool do_step(Engine *engine, Component *component, double t, double h) {
 }
 
 /* Bring a component with event mode to t, where it may turn out to need an event. */
-bool carry(Engine *engine, Component *component, double t) {
+static bool carry(Engine *engine, Component *component, double t) {
     if (t > component->time) {
         if (!do_step(engine, component, component->time, t - component->time)) return false;
         component->time = t;
@@ -43,7 +44,7 @@ bool carry(Engine *engine, Component *component, double t) {
 }
 
 /* Execute the sample that is due: an FMU without event mode samples at the beginning of its step, and then holds. */
-bool take_sample(Engine *engine, Component *component, bool recording) {
+static bool take_sample(Engine *engine, Component *component, bool recording) {
     if (!write_inputs(engine, component)) return false;
     component->ticks++;
     const double following = (double)component->ticks * component->period;
@@ -53,7 +54,7 @@ bool take_sample(Engine *engine, Component *component, bool recording) {
 }
 
 /* The component stays in event mode, since the events of others may set it off again at the same instant. */
-bool handle_event(Engine *engine, Component *component, double t, bool recording) {
+static bool handle_event(Engine *engine, Component *component, double t, bool recording) {
     void *instance = component->instance;
     if (!component->in_event_mode) {
         const double own = fabs(component->due - t) <= SAME_INSTANT ? component->due : t;
@@ -78,7 +79,7 @@ bool handle_event(Engine *engine, Component *component, double t, bool recording
     return read_outputs(engine, component, recording);
 }
 
-bool leave_event_mode(Engine *engine, Component *component) {
+static bool leave_event_mode(Engine *engine, Component *component) {
     component->events++;
     component->in_event_mode = false;
     return check(engine, component, ENTER_STEP_MODE, ((Enter)component->enter_step_mode)(component->instance));

@@ -15,6 +15,8 @@
 #else
 #define EXPORT __attribute__((visibility("default")))
 #endif
+#define OFTEN static inline __attribute__((always_inline))
+#define RARE static __attribute__((noinline, cold)) /* kept out of the way of what happens in every step */
 
 #include <math.h>
 #include <stdbool.h>
@@ -41,6 +43,14 @@ typedef struct {
     int64_t source;
 } Wire;
 
+/* How many value references and values a call has: an array has one reference for all its elements. */
+typedef struct {
+    int64_t references, values;
+} Extent;
+
+/* Indices: what is read between rows, since it drives something, and for a row. Of inputs all are always set. */
+enum { CONNECTED, WHOLE };
+
 /* Variables of one component and one FMI type, set or read by one call. */
 typedef struct {
     Function access;
@@ -48,9 +58,7 @@ typedef struct {
     void *memory;       /* what the FMU reads or fills: the doubles themselves if they are Float64 */
     double *doubles;    /* the same variables in the tables of the engine */
     const Wire *wires;  /* one per variable; inputs only */
-    int64_t count;
-    int64_t connected;  /* the first of these outputs drive something, the others are only recorded */
-    int64_t n_references, n_connected; /* for both counts: an array has one reference for all its elements */
+    Extent extents[2];  /* connected variables come first */
     int32_t type;
     int32_t number;     /* its place among all groups, for the record of a failure */
 } Group;
@@ -68,7 +76,8 @@ typedef struct {
     Function do_step, enter_event_mode, enter_step_mode, update_discrete_states;
     const Group *inputs, *outputs;
     const Trigger *triggers;
-    int64_t n_inputs, n_outputs, n_triggers;
+    int64_t n_inputs, n_triggers;
+    int64_t n_outputs[2]; /* those with a connected variable come first */
     double period;    /* of a sampled component */
     double due;       /* its next event or sample, infinite if there is none */
     double time;      /* up to which it has been stepped; discrete components only */
@@ -141,40 +150,11 @@ typedef struct {
     double step;         /* macro step; fixed-step algorithm only */
     int32_t coupled;     /* every communication point is an exchange */
     int32_t started;
+    int32_t not_a_number; /* an output that has been read is none */
+    int32_t unused;
     Failure failure;
 } Engine;
 
 typedef enum { UNFINISHED, FINISHED, BROKEN } Outcome;
-
-/* Component: false after a failure, which is then in the engine. */
-bool write_inputs(Engine *engine, Component *component);
-bool read_outputs(Engine *engine, Component *component, bool recording);
-bool do_step(Engine *engine, Component *component, double t, double h);
-bool carry(Engine *engine, Component *component, double t);
-bool triggered(const Engine *engine, const Component *component);
-bool handle_event(Engine *engine, Component *component, double t, bool recording);
-bool take_sample(Engine *engine, Component *component, bool recording);
-bool leave_event_mode(Engine *engine, Component *component);
-bool fail(Engine *engine, const Component *component, FailureKind kind);
-
-/* Texts: the one of a signal, and a new one for it, which counts if it differs; false if there is no memory for it. */
-const char *text_of(const Engine *engine, int64_t slot);
-bool put_text(Engine *engine, int64_t slot, const char *bytes);
-
-/* Channels. */
-static inline double next_change(const Engine *engine) {
-    return engine->change < engine->n_changes ? engine->changes[engine->change].time : INFINITY;
-}
-void apply_changes(Engine *engine, double t);
-void set_middles(Engine *engine, double middle);
-void set_lines(Engine *engine, double t);
-
-/* Result. */
-static inline bool is_row(const Engine *engine, double t) { return t >= engine->grid[engine->row] - SAME_INSTANT; }
-bool put_row(Engine *engine);
-bool are_numbers(Engine *engine);
-
-/* Time since some moment in the past. */
-double wall_clock(void);
 
 #endif

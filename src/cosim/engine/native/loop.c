@@ -3,11 +3,9 @@
  * The two co-simulation algorithms. Each call goes on where the last one stopped, for about `limit` seconds of wall
  * time and for at least one macro step, so that the caller can report progress and be interrupted in between.
  */
-#include "engine.h"
-
 /* Macro steps between two looks at the clock, each of which takes as long as a step of a small FMU. While that many
  * steps take long enough to be noticed, every step is followed by a look. */
-#define BETWEEN_LOOKS 16
+#define BETWEEN_LOOKS 64
 #define LONG 0.01
 
 /* Apply the channels and compute the discrete components that are due at t, until nothing changes any more. */
@@ -103,6 +101,7 @@ static bool go_on_jacobi(Engine *engine) {
 
 static bool start(Engine *engine) {
     engine->started = true;
+    engine->not_a_number = true; /* has not been looked at yet */
     engine->exchanges = 1;
     if (engine->step == 0.0) return exchange(engine, 0.0, true);
     apply_changes(engine, 0.0);

@@ -4,17 +4,21 @@
  */
 #include <time.h>
 
-#include "engine.h"
+static inline bool is_row(const Engine *engine, double t) { return t >= engine->grid[engine->row] - SAME_INSTANT; }
 
 /* Whose output it is, the caller finds out. */
-bool are_numbers(Engine *engine) {
+RARE bool are_all_numbers(Engine *engine) {
     int strange = 0;
-    for (int64_t i = 0; i < engine->n_recorded; i++) strange |= engine->values[i] != engine->values[i];
+    for (int64_t i = 0; i < engine->n_recorded; i++) strange |= isnan(engine->values[i]);
+    engine->not_a_number = strange;
     if (strange) engine->failure.kind = NOT_A_NUMBER;
     return !strange;
 }
 
-bool put_row(Engine *engine) {
+/* What is not a number when it is read may have been replaced since. */
+static inline bool are_numbers(Engine *engine) { return !engine->not_a_number || are_all_numbers(engine); }
+
+static bool put_row(Engine *engine) {
     for (int64_t i = 0; i < engine->n_discrete; i++) {
         if (engine->discrete[i].stale && !read_outputs(engine, &engine->discrete[i], true)) return false;
     }
@@ -24,7 +28,8 @@ bool put_row(Engine *engine) {
     return true;
 }
 
-double wall_clock(void) {
+/* Time since some moment in the past. */
+static double wall_clock(void) {
     struct timespec now;
     timespec_get(&now, TIME_UTC);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;

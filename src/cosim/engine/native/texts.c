@@ -5,9 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine.h"
-
-const char *text_of(const Engine *engine, int64_t slot) {
+static const char *text_of(const Engine *engine, int64_t slot) {
     const char *bytes = engine->texts[slot - engine->first_text].bytes;
     return bytes ? bytes : "";
 }
@@ -24,7 +22,8 @@ static bool keep(Text *text, const char *bytes) {
     return true;
 }
 
-bool put_text(Engine *engine, int64_t slot, const char *bytes) {
+/* A new text of a signal counts if it differs; false if there is no memory for it. */
+static bool put_text(Engine *engine, int64_t slot, const char *bytes) {
     Text *text = &engine->texts[slot - engine->first_text];
     const char *given = bytes ? bytes : "";
     if (text->bytes && strcmp(text->bytes, given) == 0) return true;

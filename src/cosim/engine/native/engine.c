@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The engine is one translation unit, so that the compiler sees through all calls of its inner loop but those of the
+ * FMUs; this file is what is compiled.
+ */
+#include "engine.h"
+
+/* The record of why a run ended early; Python makes the message of it. */
+RARE bool fail(Engine *engine, const Component *component, FailureKind kind) {
+    engine->failure.kind = kind;
+    engine->failure.component = component->number;
+    return false;
+}
+
+#include "texts.c"
+#include "access.c"
+#include "component.c"
+#include "channels.c"
+#include "record.c"
+#include "loop.c"
