@@ -39,6 +39,10 @@ class ModelError(InputError):
     """A Modelica model that cannot be compiled: what, file and line, and what would do."""
 
 
+class ModelWarning(UserWarning):
+    """Something in a Modelica model that is probably a mistake, although the model can be compiled."""
+
+
 class FmuError(InputError):
     """An FMU that cannot be used: not an FMU, no binary for this platform, a variable it does not have."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -16,7 +17,7 @@ from cosim import engine
 from cosim.cli import _run
 from cosim.cli._app import app
 from cosim.engine import Fmu, System, Variable
-from cosim.errors import ModelError
+from cosim.errors import ModelError, ModelWarning
 from cosim.fmu.versions import FmiChoice, file_name, versions_of
 
 Cosim = Callable[..., Result]
@@ -73,13 +74,15 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[str]:
             for version in versions_of(fmi)
         ]
 
-    def export_all(file: Path, model: str, out: Path, *, fmi: FmiChoice) -> list[Path]:
+    def export_all(file: Path, model: str, out: Path, *, fmi: FmiChoice, strict_units: bool = False) -> list[Path]:
         compile_model(file, model)
         return [out / file_name(model.rpartition(".")[2], version) for version in versions_of(fmi)]
 
     def compile_model(file: Path, model: str) -> str:
         if model == "P.Wrong":
             raise ModelError("an equation is missing", file=file, line=7)
+        if model == "P.Doubtful":
+            warnings.warn("x.mo:3:3: v = i: v is in V, but i is in A", ModelWarning, stacklevel=2)
         return f"dae of {model}"
 
     catalogue.ensure, catalogue.build = ensure, build

@@ -93,7 +93,17 @@ def test_export(cosim: Cosim) -> None:
     assert (done.exit_code, done.stdout) == (0, "explained: dae of P.Model\nModel.fmu\n")
     done = cosim("export", "x.mo", "P.Model", "--explain", "--json")
     paths = {"fmu": "Model.fmu", "fmus": ["Model.fmu"]}
-    assert json.loads(done.stdout) == paths | {"explanation": "explained: dae of P.Model"}
+    assert json.loads(done.stdout) == paths | {"explanation": "explained: dae of P.Model", "warnings": []}
+
+
+def test_a_doubtful_model_is_exported_with_one_warning(cosim: Cosim) -> None:
+    Path("x.mo").touch()
+    done = cosim("export", "x.mo", "P.Doubtful", "--explain")
+    assert done.exit_code == 0
+    assert done.stderr == "warning: x.mo:3:3: v = i: v is in V, but i is in A\n"
+    assert cosim("export", "x.mo", "P.Doubtful", "--quiet").stderr == ""
+    done = cosim("export", "x.mo", "P.Doubtful", "--json")
+    assert json.loads(done.stdout)["warnings"] == ["x.mo:3:3: v = i: v is in V, but i is in A"]
 
 
 def test_fmi_versions(cosim: Cosim) -> None:

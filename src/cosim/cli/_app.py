@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from cosim import __version__
-from cosim.cli._screen import INTERRUPTED, Screen, reporting
+from cosim.cli._screen import INTERRUPTED, Screen, reporting, warned
 
 app = typer.Typer(
     name="cosim",
@@ -24,6 +24,9 @@ app = typer.Typer(
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout instead of text.")]
 Platform = Annotated[str, typer.Option(help="Platform of the FMU's binary; 'host' is this machine.")]
+StrictUnits = Annotated[
+    bool, typer.Option("--strict-units", help="Refuse a model whose units do not fit, instead of a warning.")
+]
 Fmi = Annotated[str, typer.Option(metavar="3.0|2.0|both", help="FMI version; an FMI 2.0 file ends in .fmi2.fmu.")]
 
 
@@ -91,6 +94,7 @@ def build(
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Where to put the FMUs.")] = None,
     platform: Platform = "host",
     fmi: Fmi = "3.0",
+    strict_units: StrictUnits = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -100,8 +104,8 @@ def build(
         from cosim.cli._builtin import build_all, check_target
 
         choice = check_target(platform, fmi)
-        with screen.working("building FMUs"):
-            paths = build_all(names or None, out, choice)
+        with warned(screen), screen.working("building FMUs"):
+            paths = build_all(names or None, out, choice, strict_units=strict_units)
         screen.document({"fmus": [str(path) for path in paths]})
         for path in paths:
             screen.say(str(path))
@@ -130,6 +134,7 @@ def export(
     explain: Annotated[bool, typer.Option("--explain", help="Also print how the equations were solved for.")] = False,
     platform: Platform = "host",
     fmi: Fmi = "3.0",
+    strict_units: StrictUnits = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -139,10 +144,11 @@ def export(
         from cosim.cli._builtin import check_target, explanation, export_model
 
         choice = check_target(platform, fmi)
-        with screen.working(f"compiling {model}"):
+        with warned(screen) as found, screen.working(f"compiling {model}"):
+            paths = export_model(file, model, out, choice, strict_units=strict_units)
             text = explanation(file, model) if explain else None
-            paths = export_model(file, model, out, choice)
-        screen.document({"fmu": str(paths[0]), "fmus": [str(path) for path in paths], "explanation": text})
+        document: dict[str, object] = {"fmu": str(paths[0]), "fmus": [str(path) for path in paths]}
+        screen.document(document | {"explanation": text, "warnings": found})
         if text is not None:
             screen.say(text)
         for path in paths:

@@ -31,21 +31,31 @@ def locate(name: str) -> Path:
     return path
 
 
-def build_all(names: list[str] | None, out: Path | None, fmi: FmiChoice) -> list[Path]:
-    """Build the named built-in FMUs, or all of them, into ``out`` or the default place."""
+def build_all(names: list[str] | None, out: Path | None, fmi: FmiChoice, *, strict_units: bool = False) -> list[Path]:
+    """Build the named built-in FMUs, or all of them, into ``out`` or the default place.
+
+    ``strict_units`` looks at the units of all of them first, also of those that are up to date.
+    """
     from cosim.fmu import catalogue
 
     _check_names(names or [], _known())
+    if strict_units:
+        from cosim.modelica import Source, check_units, flatten, refuse_mismatches
+
+        for name, entry in catalogue.names().items():
+            if not names or name in names or entry.fmu_name in names:
+                flat = flatten(Source.read(entry.source), entry.model)
+                refuse_mismatches(flat, check_units(flat))
     paths: list[Path] = catalogue.build(names, out, fmi)
     return paths
 
 
-def export_model(file: Path, model: str, out: Path, fmi: FmiChoice) -> list[Path]:
+def export_model(file: Path, model: str, out: Path, fmi: FmiChoice, *, strict_units: bool = False) -> list[Path]:
     """Compile a Modelica model into an FMU, or one of each FMI version, in the folder ``out``."""
     from cosim.fmu import export_all
 
     _check_there(file)
-    paths: list[Path] = export_all(file, model, out, fmi=fmi)
+    paths: list[Path] = export_all(file, model, out, fmi=fmi, strict_units=strict_units)
     return paths
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
-from cosim.errors import CosimError
+from cosim.errors import CosimError, ModelWarning
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
@@ -41,6 +42,11 @@ class Screen:
         """Print something worth knowing that is no error."""
         if self.talks:
             typer.secho(f"note: {text}", err=True, fg="yellow")
+
+    def warn(self, text: str) -> None:
+        """Print something that is probably a mistake, but does not stop the command."""
+        if self.talks:
+            typer.secho(f"warning: {text}", err=True, fg="yellow")
 
     def error(self, text: str) -> None:
         """Print an error."""
@@ -114,6 +120,23 @@ class _Bar:
         task = progress.add_task(self._text, total=self._stop)
         progress.start()
         return progress, task
+
+
+@contextmanager
+def warned(screen: Screen) -> Iterator[list[str]]:
+    """Print the `ModelWarning` of what runs inside, each once; the list holds them afterwards, for JSON."""
+    texts: list[str] = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            yield texts
+        finally:
+            texts += dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, ModelWarning))
+            for text in texts:
+                screen.warn(text)
+    for other in caught:
+        if not issubclass(other.category, ModelWarning):
+            warnings.warn_explicit(other.message, other.category, other.filename, other.lineno)
 
 
 @contextmanager

@@ -7,19 +7,21 @@ import json
 import os
 import re
 import tempfile
+import warnings
 import zipfile
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from cosim import __version__
 from cosim.dae import Dae, compile_dae
+from cosim.errors import ModelWarning
 from cosim.fmu.codegen import generate
 from cosim.fmu.description import describe
 from cosim.fmu.description2 import describe2
 from cosim.fmu.layout import lay_out
 from cosim.fmu.toolchain import RUNTIME, compile_library, fmi_headers, host, runtime_sources
 from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
-from cosim.modelica import Source, flatten
+from cosim.modelica import Source, check_units, flatten, refuse_mismatches
 
 BUILD_RECORD = "extra/io.github.wiper-cosim/build.json"
 _TOKEN = "{token}"
@@ -27,13 +29,21 @@ _TOKEN = "{token}"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def compile_model(file: Path, model: str) -> Dae:
+def compile_model(file: Path, model: str, *, strict_units: bool = False) -> Dae:
     """Compile one class of a Modelica file or package to a :class:`Dae`.
+
+    Units that do not fit are a `ModelWarning` each, or all together an error if ``strict_units``.
 
     Raises:
         ModelError: the model is wrong or uses something unsupported; the message says what and where.
     """
-    return compile_dae(flatten(Source.read(file), model))
+    flat = flatten(Source.read(file), model)
+    mismatches = check_units(flat)
+    if strict_units:
+        refuse_mismatches(flat, mismatches)
+    for mismatch in mismatches:
+        warnings.warn(str(mismatch), ModelWarning, stacklevel=2)
+    return compile_dae(flat)
 
 
 def export(file: Path, model: str, out: Path, *, fmi: FmiVersion = "3.0", build_hash: str | None = None) -> Path:
@@ -50,10 +60,16 @@ def export(file: Path, model: str, out: Path, *, fmi: FmiVersion = "3.0", build_
 
 
 def export_all(
-    file: Path, model: str, out: Path, *, fmi: FmiChoice = "both", build_hash: str | None = None
+    file: Path,
+    model: str,
+    out: Path,
+    *,
+    fmi: FmiChoice = "both",
+    build_hash: str | None = None,
+    strict_units: bool = False,
 ) -> list[Path]:
     """Compile one class once and write it as an FMU of each chosen FMI version; see :func:`export`."""
-    dae = compile_model(file, model)
+    dae = compile_model(file, model, strict_units=strict_units)
     return [pack(dae, out, fmi=version, build_hash=build_hash) for version in versions_of(fmi)]
 
 

@@ -1,12 +1,13 @@
 within Small;
 model Coupled "Two places rigidly coupled by a factor: the modeller's wish decides which is the state"
-  parameter Real k = 3 "Factor";
+  parameter Real k(unit="1") = 3 "Factor";
+  constant Real a(unit="1/s") = 2 "Rate at which the first place falls";
   Parts.Length x(start=1, fixed=true, stateSelect=StateSelect.avoid) "First place";
   Parts.Length z(stateSelect=StateSelect.prefer) "Second place";
   output Parts.Velocity v "Speed of the second place";
-  Real F(unit="N") "Force of the coupling";
+  Parts.Velocity F "What the coupling gives to the one and takes from the other";
 equation
-  der(x) = -2*x + F;
+  der(x) = -a*x + F;
   der(z) = -F;
   z = k*x;
   v = der(z);

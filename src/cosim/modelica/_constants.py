@@ -1,0 +1,71 @@
+"""Finds the unit of a package constant that the front end has replaced by its value."""
+
+from __future__ import annotations
+
+import re
+
+from cosim.modelica.expressions import Binary, Expression, Literal, Reference, Unary, children
+from cosim.modelica.quantity import NUMBER, UNKNOWN, Quantity, declared
+from cosim.modelica.source import Source
+
+_NAME = re.compile(rb"[A-Za-z_][\w.]*")
+_UNIT = re.compile(r'\bunit\s*=\s*"([^"]*)"')
+
+
+class FoldedConstants:
+    """The package constants of one source text."""
+
+    def __init__(self, source: Source) -> None:
+        """Take the text; nothing is looked up yet."""
+        self._text = source.text
+        self._bytes = source.text.encode()
+        self._found: dict[str, Quantity] = {}
+
+    def __call__(self, node: Expression) -> Quantity | None:
+        """The quantity of the constant that a literal expression stands for; None if it is none.
+
+        The front end puts the value in and keeps the place, where the text then has a name instead of a number. Its
+        declaration is looked up by its last name; if several of that name have different units, nothing is known.
+        """
+        if node.at <= 0 or not _stands_for_a_name(node):
+            return None
+        match = _NAME.match(self._bytes, node.at)
+        if match is None:
+            return None
+        last = match.group().decode().rpartition(".")[2]
+        if last not in self._found:
+            self._found[last] = _declared(self._text, last)
+        return self._found[last]
+
+
+def _stands_for_a_name(node: Expression) -> bool:
+    """Whether an expression may be a constant's value: a number, or an operation that has not its operand's place."""
+    match node:
+        case Literal(value=value):
+            return not isinstance(value, (bool, str))
+        case Binary(left=operand) | Unary(operand=operand):
+            return operand.at != node.at and not _refers(node)
+    return False
+
+
+def _refers(node: Expression) -> bool:
+    return isinstance(node, Reference) or any(_refers(child) for child in children(node))
+
+
+def _declared(text: str, name: str) -> Quantity:
+    found = set[str | None]()
+    for match in re.finditer(rf"\bconstant\s+([\w.]+)\s+{re.escape(name)}\b\s*(\([^)]*\))?", text):
+        unit = _UNIT.search(match.group(2) or "")
+        found.add(unit.group(1) if unit else _unit_of_type(text, match.group(1).rpartition(".")[2]))
+    if not found:
+        return NUMBER  # the index of a loop
+    if len(found) > 1:
+        return UNKNOWN
+    (only,) = found
+    return NUMBER if only is None else declared(only) or UNKNOWN
+
+
+def _unit_of_type(text: str, name: str) -> str | None:
+    match = re.search(rf"\btype\s+{re.escape(name)}\s*=\s*[\w.]+\s*(\([^)]*\))?", text)
+    unit = _UNIT.search((match and match.group(1)) or "")
+    return unit.group(1) if unit else None
