@@ -118,6 +118,8 @@ def test_delay_shifts_the_duty_ratio_by_whole_ticks(simulate: Simulate) -> None:
 @pytest.mark.parametrize(
     ("modifier", "message"),
     [
+        ("T_ramp=0", "T_ramp must be positive"),
+        ("stop_ratio=0", "stop_ratio must be positive"),
         ("T_sample=0.0205", "T_sample must be a multiple of T_compute"),
         ("T_filter=1.025", "T_filter must not exceed 1024 periods"),
         ("n_window=257", "n_window must lie between 1 and 256"),

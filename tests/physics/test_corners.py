@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cosim.engine import Channel, Component, Fmu, Result, System, simulate
-from cosim.errors import CosimError
+from cosim.errors import InputError
 from cosim.fmu import catalogue
 
 Steps = Sequence[tuple[float, float]]
@@ -104,11 +104,19 @@ def test_the_limit_holds_the_current_and_nothing_else(plant: tuple[str, Fmu], st
     assert limited.columns["plant.w_crank"][-1] == pytest.approx(free.columns["plant.w_crank"][-1], rel=0.05)
 
 
-def test_a_filter_beyond_its_capacity_is_refused() -> None:
+@pytest.mark.parametrize(
+    ("parameter", "value", "reason"),
+    [
+        ("T_filter", 2.0, "T_filter must not exceed 1024 periods of T_compute"),
+        ("T_ramp", 0.0, "T_ramp must be positive"),
+    ],
+)
+def test_a_controller_refuses_what_it_cannot_do(parameter: str, value: float, reason: str) -> None:
     fmu = Fmu.read(catalogue.ensure("voltage_profile"))
-    system = System([Component("controller", fmu, {"T_filter": 2.0})], [], [])
-    with pytest.raises(CosimError, match="T_filter must not exceed 1024 periods of T_compute"):
+    system = System([Component("controller", fmu, {parameter: value})], [], [])
+    with pytest.raises(InputError) as caught:
         simulate(system, stop=0.1, output_interval=0.01, tolerance=1e-6)
+    assert str(caught.value) == (f"controller (VoltageProfile) refuses its parameters or inputs: {reason}; change them")
 
 
 def test_random_driving_pushing_braking_and_limiting_never_sticks(plant: tuple[str, Fmu]) -> None:

@@ -13,7 +13,7 @@ MESSAGES = {
     6: r"At t = [\d.]+ s an assertion of the model is violated: The tank overflows\.",
     8: r"the event iteration finds no consistent state: the relations 'valve\.open', 'valve\.shut' keep changing",
     10: r"At t = 0\.5 s reinit\(\) sets tank\.level to -?nan",
-    11: r"At t = 0\.5 s the discrete variable 1 is not a number",
+    11: r"At t = 0\.5 s the discrete variable tank\.alarm is not a number\. Check",
     9: r"At t = 0\.5 s one event causes the next without end",
 }
 

@@ -74,6 +74,8 @@ protected
   discrete Types.Ratio floored(start=0, fixed=true) "Output of the chart, not below duty_min while running";
   discrete Types.Ratio delayed[N_delay](each start=0, each fixed=true) "Duty ratios on their way out, next one first";
 equation
+  assert(T_ramp > 0, "T_ramp must be positive.");
+  assert(stop_ratio > 0, "stop_ratio must be positive.");
   assert(abs(T_sample - n_hold*T_compute) < 1e-6*T_compute and n_hold >= 1,
     "T_sample must be a multiple of T_compute, and not less than it.");
   assert(n_filter <= N_filter, "T_filter must not exceed 1024 periods of T_compute.");

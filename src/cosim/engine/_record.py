@@ -88,7 +88,7 @@ def failure_message(failure: CallError, record: Record) -> str:
     started = record.exchanges or record.now
     if not started and (reason := instance.log.assertion):
         raise InputError(
-            f"{instance.name} ({instance.fmu.name}) refuses its parameters or inputs: {reason}; change them"
+            f"{instance.name} ({instance.fmu.name}) refuses its parameters or inputs: {reason.rstrip('.')}; change them"
         ) from failure
     where = f"at t = {record.now:.9g} s" if started else "during initialisation"
     return (

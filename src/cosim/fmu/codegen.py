@@ -127,6 +127,7 @@ class _Generator:
                     [number(dae.parameter_values[p.scalar.name]) for p in dae.parameters]),
             *_table("double", "model_nominal", "MODEL_NV", [number(u.nominal) for u in dae.unknowns]),
             *_table("char *const", "model_unknown_names", "MODEL_NV", [_string(u.name) for u in dae.unknowns]),
+            *_table("char *const", "model_discrete_names", "MODEL_ND", [_string(s.name) for s in dae.discretes]),
             *_table("unsigned char", "model_relation_strict", "MODEL_NG", [str(int(r.strict)) for r in dae.relations]),
             *_table("char *const", "model_relation_texts", "MODEL_NG", [_string(r.text) for r in dae.relations]),
             *_table("char *const", "model_assertion_messages", "MODEL_NA", [_string(c.message) for c in dae.checks]),
@@ -188,10 +189,6 @@ class _Generator:
     def _discrete(self) -> list[str]:
         dae = self._dae
         body = [_UNUSED.strip(), "(void)pre, (void)fired, (void)initial, (void)d_new, (void)x_new;"]
-        if dae.discretes:
-            body.append("memcpy(d_new, pre, MODEL_ND * sizeof *d_new);")
-        if dae.states:
-            body.append("memcpy(x_new, v, MODEL_NX * sizeof *x_new);")
         for group in _groups(dae.assignments):
             body += self._group(group)
         for reset in dae.resets:

@@ -19,6 +19,7 @@ const ModelVariable model_variables[MODEL_NVARIABLES] = {
 const double model_start_parameters[2] = {0.8, 1.0};
 const double model_nominal[2] = {1.0, 1.0};
 const char *const model_unknown_names[2] = {"h", "v"};
+const char *const model_discrete_names[2] = {"bounces", "impact"};
 const char *const model_initial_texts[2] = {"h = h_start", "v = 0"};
 const unsigned char model_relation_strict[2] = {0, 1};
 const char *const model_relation_texts[2] = {"h <= 0", "v < 0"};

@@ -17,6 +17,7 @@ const ModelVariable model_variables[MODEL_NVARIABLES] = {
 const double model_start_parameters[1] = {0.9999};
 const double model_nominal[2] = {1.0, 1.0};
 const char *const model_unknown_names[2] = {"x", "w"};
+const char *const model_discrete_names[2] = {"count", "above"};
 const char *const model_initial_texts[2] = {"x = 1", "w = 0"};
 const unsigned char model_relation_strict[1] = {1};
 const char *const model_relation_texts[1] = {"x > level"};

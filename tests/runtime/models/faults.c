@@ -33,6 +33,7 @@ const ModelVariable model_variables[MODEL_NVARIABLES] = {
 const double model_start_parameters[1] = {FINE};
 const double model_nominal[1] = {1.0};
 const char *const model_unknown_names[1] = {"tank.level"};
+const char *const model_discrete_names[1] = {"tank.alarm"};
 const char *const model_initial_texts[1] = {"tank.level^2 = -1"};
 const unsigned char model_relation_strict[3] = {1, 1, 1};
 const char *const model_relation_texts[3] = {"tank.level > 0.5", "valve.open", "valve.shut"};

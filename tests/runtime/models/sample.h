@@ -136,6 +136,7 @@ int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS)
 #endif
 
 #ifndef SAMPLE_DISCRETE
+const char *const model_discrete_names[1] = {""};
 int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial, double *d_new,
                    double *x_new)
 {

@@ -27,6 +27,7 @@ const double model_start_inputs[1] = {0.0};
 const double model_start_parameters[4] = {0.1, 0.0, 1000.0, 1e9};
 const double model_nominal[1] = {1.0};
 const char *const model_unknown_names[1] = {"x"};
+const char *const model_discrete_names[4] = {"count", "held", "toggle", "phase"};
 const char *const model_initial_texts[1] = {"x = 0"};
 const unsigned char model_relation_strict[1] = {0};
 const char *const model_relation_texts[1] = {"time >= change"};

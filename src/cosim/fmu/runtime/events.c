@@ -129,6 +129,22 @@ static int update_relations(Simulation *m, int one_at_a_time)
     return changes;
 }
 
+static int are_numbers(Simulation *m, const double *d)
+{
+    /* One comparison takes two of them, and the mask is as wide as they are: a long filter has a thousand. */
+    enum { HALF = MODEL_ND / 2 };
+    int64_t strange = 0;
+    for (int i = 0; i < HALF; i++) strange |= isunordered(d[i], d[HALF + i]);
+    if (!strange && !(MODEL_ND % 2 && isnan(d[MODEL_ND - 1]))) return 1;
+    int i = 0;
+    while (!isnan(d[i])) i++;
+    return simulation_fail(m,
+                           "At t = %.9g s the discrete variable %s is not a number. Check what it is computed from for "
+                           "a division by zero, the root or logarithm of a negative number, and for parameters out of "
+                           "range.",
+                           m->s.t, model_discrete_names[i]);
+}
+
 /* Find v, d, c that satisfy all equations for the given pre and fired. */
 static int settle(Simulation *m, const double *pre, const double *fired, int initial, double *x_new)
 {
@@ -141,13 +157,12 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
         int changes = update_relations(m, pass >= SIMULTANEOUS_PASSES);
         if (pass >= MAX_PASSES / 2)
             for (int k = 0; k < MODEL_NG; k++) unsettled[k] |= m->changing[k];
-        memcpy(d_new, s->d, sizeof d_new);
+        memcpy(d_new, pre, MODEL_ND * sizeof *d_new);
         memcpy(x_new, s->v, MODEL_NX * sizeof *x_new);
         if (MODEL_ND > 0 || MODEL_NX > 0 || MODEL_NG > 0)
             terminate = model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, initial, d_new, x_new);
+        if (!are_numbers(m, d_new)) return 0;
         for (int i = 0; i < MODEL_ND; i++) {
-            if (isnan(d_new[i]))
-                return simulation_fail(m, "At t = %.9g s the discrete variable %d is not a number.", s->t, i + 1);
             if (s->d[i] != d_new[i]) changes++;
             s->d[i] = d_new[i];
         }
@@ -170,12 +185,7 @@ static int tick(Simulation *m, const double *fired)
     double pre[MODEL_ROOM(MODEL_ND)], unused[MODEL_ROOM(MODEL_NX)];
     memcpy(pre, s->d, sizeof pre);
     s->terminate |= model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, 0, s->d, unused) != 0;
-    int wrong = 0;
-    for (int i = 0; i < MODEL_ND; i++) wrong |= isnan(s->d[i]) != 0;
-    for (int i = 0; wrong && i < MODEL_ND; i++)
-        if (isnan(s->d[i]))
-            return simulation_fail(m, "At t = %.9g s the discrete variable %d is not a number.", s->t, i + 1);
-    return 1;
+    return are_numbers(m, s->d);
 }
 
 /* Events until nothing follows from the last one; fired is used up. */

@@ -74,9 +74,10 @@ extern const ModelVariable model_variables[MODEL_ROOM(MODEL_NVARIABLES)];
 extern const double model_start_inputs[MODEL_ROOM(MODEL_NU)];
 extern const double model_start_parameters[MODEL_ROOM(MODEL_NP)]; /* dependent ones: overwritten by model_parameters */
 
-/* Sizes of the unknowns that count as "one" for absolute tolerances, and their names for messages. */
+/* Sizes of the unknowns that count as "one" for absolute tolerances, and names for messages. */
 extern const double model_nominal[MODEL_ROOM(MODEL_NV)];
 extern const char *const model_unknown_names[MODEL_ROOM(MODEL_NV)];
+extern const char *const model_discrete_names[MODEL_ROOM(MODEL_ND)];
 
 /* Relation k is true where g[k] > 0 (strict) or g[k] >= 0 (not strict); the text is the Modelica source of it. */
 extern const unsigned char model_relation_strict[MODEL_ROOM(MODEL_NG)];
@@ -133,8 +134,8 @@ int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS);
  *
  * pre   values of d before this pass (Modelica's pre())
  * fired 1 for each sample clock that ticks in this pass
- * d_new the new values of all discrete variables
- * x_new the states: reinit() applied, all others copied from v
+ * d_new the discrete variables: pre when called, then the new values
+ * x_new the states: those of v when called, then with reinit() applied
  * Returns 1 if terminate() was called, else 0. */
 int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial, double *d_new,
                    double *x_new);
