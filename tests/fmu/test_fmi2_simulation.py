@@ -169,15 +169,15 @@ def test_saved_states_continue_bit_by_bit(name: str, slave: Callable[[str], FMU2
 
 
 ENDING = """
-model Ending "Ends by itself at x = 0.5, or fails at x = 0.3"
+model Ending "Ends by itself at x = 0.55, or fails at x = 0.35"
   parameter Real fail = 0 "Positive: fail";
   Real x(start = 0, fixed = true) "Grows with time";
   output Real y "As x";
 equation
   der(x) = 1;
   y = x;
-  assert(fail < 0.5 or x < 0.3, "x is 100% too large");
-  when x > 0.5 then
+  assert(fail < 0.5 or x < 0.35, "x is 100% too large");
+  when x > 0.55 then
     terminate("over");
   end when;
 end Ending;

@@ -19,14 +19,34 @@ def test_error_of_the_oscillator_follows_the_tolerance(tolerance: float, bound: 
     assert sample.get(2) == pytest.approx(-2.0 * math.sin(20.0), abs=2.0 * bound)
 
 
-def test_method_is_of_fourth_order() -> None:
-    """A tolerance 1e4 times smaller needs 10 times as many steps."""
+def test_steps_grow_as_the_fifth_root_of_the_tolerance() -> None:
+    """A tolerance 1e5 times smaller needs ten times as many steps."""
     steps = {}
-    for tolerance in (1e-6, 1e-10):
+    for tolerance in (1e-6, 1e-11):
         sample = Sample("oscillator").start(tolerance)
         sample.step(10.0)
         steps[tolerance] = sample.counters(10)["steps"]
-    assert 8.0 < steps[1e-10] / steps[1e-6] < 12.0
+    assert 8.0 < steps[1e-11] / steps[1e-6] < 12.0
+
+
+def error_of_one_step(h: float, look_at: float) -> float:
+    """Of the chain's outer states, at a point inside or at the end of a single step of length h."""
+    solution = solve_ivp(
+        lambda t, x: chain_rate(t, x, 0.3), (0, h * look_at), [1, 2, 3, 4], method="DOP853", rtol=1e-13, atol=1e-13
+    )
+    sample = Sample("chain").enter(0.999, 0.0, stop=h)
+    sample.set(5, 0.3)
+    sample.exit().step_to(h * look_at)
+    assert sample.counters(6)["steps"] == 1
+    return float(np.abs(np.array(sample.get(1, 2)) - solution.y[[0, 3], -1]).max())
+
+
+@pytest.mark.parametrize(("look_at", "order"), [(1.0, 5), (0.3, 4), (0.7, 4)])
+def test_order_of_a_step_and_of_its_dense_output(look_at: float, order: int) -> None:
+    """On a nonlinear, time-dependent system of index 1; the error of one step has one power of h more."""
+    errors = [error_of_one_step(h, look_at) for h in (0.1, 0.05, 0.025)]
+    powers = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    assert powers == pytest.approx(order + 1, abs=0.5)
 
 
 def test_small_communication_steps_end_exactly_and_do_not_shrink_the_step_size() -> None:

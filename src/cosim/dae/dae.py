@@ -106,6 +106,11 @@ class Dae:
         """Derivatives and residuals as one column."""
         return ca.vertcat(self.derivatives, self.residuals)
 
+    @property
+    def z(self) -> SX:
+        """The torn unknowns as one column."""
+        return ca.vertcat(SX(0, 1), *(u.symbol for u in self.torn))
+
     def __str__(self) -> str:
         """The same text as ``cosim export --explain``."""
         return explain(self)

@@ -18,7 +18,8 @@ from cosim.dae.blocks import triangular
 from cosim.dae.hybrid import SX
 from cosim.dae.symbolic import depends, evaluate, substitute
 
-_CRAMER = 3
+CRAMER = 3
+"""Systems up to this size are solved by Cramer's rule."""
 _POINTS = 5
 
 
@@ -108,7 +109,7 @@ class _Tearer:
     def _coupled(self, equations: list[int], columns: list[int], *, linear: bool) -> None:
         """Solve a block of coupled equations."""
         rest_equations, rest_columns, steps = self._causalize(equations, columns)
-        if len(rest_equations) > _CRAMER:
+        if len(rest_equations) > CRAMER:
             nested = self._nested(equations, columns)
             if nested is not None:
                 tear, residual, order = nested
@@ -175,7 +176,7 @@ class _Tearer:
             if len(equations) == 1 and self._solvable(equations[0], columns[0]):
                 continue
             rest_equations, rest_columns, steps = self._causalize(equations, columns)
-            if len(rest_columns) > _CRAMER:
+            if len(rest_columns) > CRAMER:
                 return False
             if not self._is_regular(self._determinant(rest_equations, rest_columns, steps)):
                 return False
@@ -206,9 +207,9 @@ class _Tearer:
         left = ca.vertcat(*(substitute(self._residuals[row], values) for row in residuals))
         if linear and torn:
             matrix, constant = _affine(left, unknown)
-            if len(torn) <= _CRAMER:
+            if len(torn) <= CRAMER:
                 self._regular.append(_determinant(matrix))
-            solution = _solve_linear(matrix, -constant)
+            solution = solve_linear(matrix, -constant)
             for position, j in enumerate(torn):
                 self._assign(j, solution[position])
         else:
@@ -218,7 +219,7 @@ class _Tearer:
             self._assign(j, values[self._names[j]])
 
     def _implicit(self, torn: list[int], left: SX, unknown: SX, residuals: list[int]) -> None:
-        if len(torn) <= _CRAMER:
+        if len(torn) <= CRAMER:
             self._regular.append(_determinant(ca.densify(ca.jacobian(left, unknown))))
         for j in torn:
             self.solution.torn.append(self._unknowns[j])
@@ -235,7 +236,7 @@ class _Tearer:
         unknown = ca.vertcat(*(self._unknowns[j] for j in rest_columns))
         left = ca.vertcat(*(substitute(self._residuals[row], inside) for row in rest_equations))
         matrix, constant = _affine(left, unknown)
-        solution = _solve_linear(matrix, -constant)
+        solution = solve_linear(matrix, -constant)
         for position, j in enumerate(rest_columns):
             found[self._names[j]] = solution[position]
         for _, j in steps:
@@ -326,9 +327,10 @@ def _determinant(matrix: SX) -> SX:
     return total
 
 
-def _solve_linear(matrix: SX, right: SX) -> SX:
+def solve_linear(matrix: SX, right: SX) -> SX:
+    """The solution of ``matrix @ x = right``: by Cramer's rule up to three unknowns, else by a QR factorisation."""
     n = matrix.shape[0]
-    if n > _CRAMER:
+    if n > CRAMER:
         return ca.solve(matrix, right)
     determinant = _determinant(matrix)
     columns = []

@@ -31,7 +31,7 @@ _RESERVED = frozenset(
     """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
-    t v u p d c f g J y l r ft pre fired initial d_new x_new start interval
+    t v u p d c f g J y dz l r ft pre fired initial d_new x_new start interval
     sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt pow fabs floor ceil fmod fmin fmax hypot gamma
     j0 j1 jn y0 y1 yn index remainder signbit round trunc main abs div time signal
     """.split()

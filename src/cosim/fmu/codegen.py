@@ -11,6 +11,7 @@ import casadi as ca
 
 from cosim.dae import Dae
 from cosim.dae.hybrid import SX, Assignment
+from cosim.dae.sweep import newton_sweep
 from cosim.dae.symbolic import substitute
 from cosim.fmu.c_expressions import SCALARS, number, print_function
 from cosim.fmu.layout import Layout
@@ -37,6 +38,7 @@ class _Generator:
     def __init__(self, dae: Dae, layout: Layout) -> None:
         self._dae = dae
         self._layout = layout
+        self._swept = newton_sweep(dae.residuals, [unknown.symbol for unknown in dae.torn]) if dae.torn else None
         discretes = [s.name for s in dae.discretes]
         self._labels: dict[str, list[str]] = {
             "t": ["time"],
@@ -71,6 +73,7 @@ class _Generator:
             "NL": len(layout.locals), "NA": len(dae.checks), "NVARIABLES": len(layout.slots),
         }  # fmt: skip
         values["ALL_CLOCKED"] = int(_all_clocked(dae))
+        values["HAS_SWEEP"] = int(self._swept is not None)
         lines = [f"/* Sizes of {dae.name}. */", "#ifndef COSIM_MODEL_SIZES_H", "#define COSIM_MODEL_SIZES_H", ""]
         lines += [f"#define MODEL_{name} {value}" for name, value in values.items()]
         lines += [f"#define MODEL_NAME {_string(dae.name)}", f"#define MODEL_TOKEN {_string(token)}", "", "#endif", ""]
@@ -88,9 +91,8 @@ class _Generator:
         parts += self._continuous("model_rhs", {"f": f}, self._equation_comment())
         derivatives = {"f": f, "J": ca.jacobian(f, dae.v), "ft": ca.jacobian(f, dae.time)}
         parts += self._continuous("model_linearise", derivatives, "f, df/dv column by column, explicit df/dt")
-        z = _column([unknown.symbol for unknown in dae.torn])
         parts += self._continuous("model_residual", {"r": dae.residuals}, "the residuals alone")
-        algebraic = {"r": dae.residuals, "J": ca.jacobian(dae.residuals, z)}
+        algebraic = {"r": dae.residuals, "J": ca.jacobian(dae.residuals, dae.z)}
         parts += self._continuous("model_linearise_residual", algebraic, "the residuals and their derivatives by z")
         relations = "; ".join(f"{k}: {r.text}" for k, r in enumerate(dae.relations))
         indicators = _column([r.indicator for r in dae.relations])
@@ -100,6 +102,7 @@ class _Generator:
         parts += self._continuous("model_initial_residual", {"r": r}, initial)
         parts += self._continuous("model_initial_jacobian", {"J": ca.jacobian(r, dae.v)}, "dr/dv, column by column")
         parts += self._continuous("model_outputs", {"y": _column(self._layout.outputs)}, "")
+        parts += self._sweep()
         parts += self._continuous("model_locals", {"l": _column(self._layout.locals)}, "")
         parts += self._assertions()
         parts += self._discrete()
@@ -174,6 +177,14 @@ class _Generator:
         body = [f"{_UNUSED.strip()[:-1]}{unused};", *self._body(_CONTINUOUS, list(results.items()))]
         lines = _function(head, body)
         return [f"/* {_comment(comment)} */", *lines] if comment else lines
+
+    def _sweep(self) -> list[str]:
+        """The outputs together with what makes them exact: most of their operations are the same."""
+        if self._swept is None:
+            return []
+        z = self._dae.z
+        outputs = ca.substitute(_column(self._layout.outputs), z, self._swept)
+        return self._continuous("model_sweep", {"dz": self._swept - z, "y": outputs}, "corrections of z, then outputs")
 
     def _assertions(self) -> list[str]:
         checks = self._dae.checks

@@ -63,9 +63,11 @@ static int take_step(Simulation *m, double limit)
     State *s = &m->s;
     Held constant = held(s);
     double rest = limit - s->t;
-    rodas_begin(&m->rodas, s->t, s->v, &constant);
     s->counters[COUNTER_RHS]++;
     s->counters[COUNTER_JACOBIANS]++;
+    if (!rodas_begin(&m->rodas, s->t, s->v, &constant))
+        return simulation_fail(m, "At t = %.9g s the algebraic equations are singular; the unknown concerned is %s.",
+                               s->t, model_unknown_names[m->rodas.worst]);
     if (!(s->control.h > 0.0)) s->control.h = rodas_first_step(&m->rodas, s->tolerance);
     for (;;) {
         double wanted = s->control.h;
@@ -73,7 +75,8 @@ static int take_step(Simulation *m, double limit)
         /* Two steps of equal length rather than a full one and a remainder. */
         double h = wanted >= rest ? rest : wanted > 0.5 * rest ? 0.5 * rest : wanted;
         double error = rodas_attempt(&m->rodas, h, s->tolerance, &constant);
-        s->counters[COUNTER_RHS] += 5;
+        s->counters[COUNTER_RHS] += RODAS_STAGES;
+        if (error <= 1.0 && !simulation_solve_algebraic(m, s->t + h, m->rodas.step.v_new, NULL)) error = INFINITY;
         if (error <= 1.0) {
             control_accept(&s->control, h, error);
             s->counters[COUNTER_STEPS]++;
@@ -163,7 +166,7 @@ Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_e
         ahead->active = 0;
         if (ahead->ends_in_event) {
             note_state_event(m);
-            if (!simulation_solve_algebraic(m, s->t, s->v) || !count_state_event(m)) return ADVANCE_FAILED;
+            if (!simulation_solve_algebraic(m, s->t, s->v, NULL) || !count_state_event(m)) return ADVANCE_FAILED;
             s->event_due = 1;
             if (stop_at_events) return ADVANCE_EVENT;
             if (!simulation_event(m, 0, NULL)) return ADVANCE_FAILED;
@@ -181,8 +184,8 @@ const double *simulation_values(Simulation *m, ModelStore store)
     if (!(m->have & 1u << STORE_UNKNOWN)) {
         /* Into a copy: whether somebody looks must not change the future. */
         memcpy(m->shown_v, s->v, sizeof s->v);
-        if (!simulation_solve_algebraic(m, s->t, m->shown_v)) return NULL;
-        m->have = 1u << STORE_UNKNOWN;
+        if (!simulation_solve_algebraic(m, s->t, m->shown_v, m->shown_y)) return NULL;
+        m->have = 1u << STORE_UNKNOWN | 1u << STORE_OUTPUT;
     }
     if (store == STORE_UNKNOWN) return m->shown_v;
     int valid = (m->have & 1u << store) != 0;
@@ -191,9 +194,7 @@ const double *simulation_values(Simulation *m, ModelStore store)
     case STORE_DERIVATIVE:
         if (!valid) model_rhs(s->t, m->shown_v, s->u, s->p, s->d, s->c, m->shown_f);
         return m->shown_f;
-    case STORE_OUTPUT:
-        if (!valid) model_outputs(s->t, m->shown_v, s->u, s->p, s->d, s->c, m->shown_y);
-        return m->shown_y;
+    case STORE_OUTPUT: return m->shown_y;
     case STORE_LOCAL:
         if (!valid) model_locals(s->t, m->shown_v, s->u, s->p, s->d, s->c, m->shown_l);
         return m->shown_l;

@@ -35,9 +35,8 @@ static void algebraic_system(void *context, const double *z, double *r, double *
     }
 }
 
-int simulation_solve_algebraic(Simulation *m, double t, double *v)
+static int solve_by_newton(Simulation *m, double t, double *v)
 {
-    if (MODEL_NZ == 0) return 1;
     AlgebraicSystem system = {m, t, v};
     double z[MODEL_ROOM(MODEL_NZ)];
     memcpy(z, v + MODEL_NX, MODEL_NZ * sizeof *z);
@@ -48,6 +47,48 @@ int simulation_solve_algebraic(Simulation *m, double t, double *v)
                                outcome == NEWTON_SINGULAR ? "are singular" : "cannot be solved",
                                model_unknown_names[MODEL_NX + m->newton.worst]);
     memcpy(v + MODEL_NX, z, MODEL_NZ * sizeof *z);
+    return 1;
+}
+
+/* A few Newton sweeps, from unknowns that are nearly right. Returns 0 with v unchanged if they are not. */
+static int sweep(Simulation *m, double t, double *v, double *y)
+{
+#if MODEL_HAS_SWEEP
+    enum { SWEEPS = 3 };
+    static const double NEARLY = 1e-2;
+    State *s = &m->s;
+    /* A correction of this size leaves an error of its square, times a curvature; far below the solver's error. */
+    double quadratic = sqrt(1e-5 * s->tolerance);
+    double swept[MODEL_ROOM(MODEL_NV)], dz[MODEL_ROOM(MODEL_NZ)], unwanted[MODEL_ROOM(MODEL_NY)];
+    if (!y) y = unwanted;
+    memcpy(swept, v, sizeof swept);
+    for (int k = 0; k < SWEEPS; k++) {
+        s->counters[COUNTER_RHS]++;
+        model_sweep(t, swept, s->u, s->p, s->d, s->c, dz, y);
+        double largest = 0.0;
+        for (int i = 0; i < MODEL_NZ; i++) {
+            double *z = &swept[MODEL_NX + i], length = fabs(dz[i]) / (fabs(*z) + model_nominal[MODEL_NX + i]);
+            if (!(length < NEARLY)) return 0;
+            largest = fmax(largest, length);
+            *z += dz[i];
+        }
+        if (largest <= quadratic) {
+            memcpy(v, swept, sizeof swept);
+            return 1;
+        }
+    }
+#else
+    (void)m, (void)t, (void)v, (void)y;
+#endif
+    return 0;
+}
+
+int simulation_solve_algebraic(Simulation *m, double t, double *v, double *y)
+{
+    const State *s = &m->s;
+    if (MODEL_NZ > 0 && sweep(m, t, v, y)) return 1;
+    if (MODEL_NZ > 0 && !solve_by_newton(m, t, v)) return 0;
+    if (y) model_outputs(t, v, s->u, s->p, s->d, s->c, y);
     return 1;
 }
 
@@ -153,7 +194,7 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
     unsigned char unsettled[MODEL_ROOM(MODEL_NG)] = {0};
     int terminate = 0;
     for (int pass = 0; pass < MAX_PASSES; pass++) {
-        if (!(initial ? solve_initial(m) : simulation_solve_algebraic(m, s->t, s->v))) return 0;
+        if (!(initial ? solve_initial(m) : simulation_solve_algebraic(m, s->t, s->v, NULL))) return 0;
         int changes = update_relations(m, pass >= SIMULTANEOUS_PASSES);
         if (pass >= MAX_PASSES / 2)
             for (int k = 0; k < MODEL_NG; k++) unsettled[k] |= m->changing[k];

@@ -31,7 +31,7 @@ static void look_closely(Simulation *m, Sample *sample)
     const RodasStep *r = &m->rodas.step;
     double v[MODEL_ROOM(MODEL_NV)], t = r->t + sample->theta * r->h;
     rodas_dense(r, sample->theta, v);
-    if (MODEL_NZ > 0 && !simulation_solve_algebraic(m, t, v)) rodas_dense(r, sample->theta, v);
+    if (MODEL_NZ > 0 && !simulation_solve_algebraic(m, t, v, NULL)) rodas_dense(r, sample->theta, v);
     simulation_relations(m, t, v, sample->g);
 }
 

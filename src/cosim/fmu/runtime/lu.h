@@ -9,6 +9,7 @@
 #define COSIM_LU_H
 
 #include <math.h>
+#include <string.h>
 
 /* Factorise A in place, into a form that only lu_solve reads. Returns 0, or 1 + the column in which no pivot is left
  * (singular, or not a number). */
@@ -63,6 +64,37 @@ static inline void lu_solve(int n, const double *A, const int *pivots, double *b
         double value = b[k] *= column[k];
         for (int i = 0; i < k; i++) b[i] -= column[i] * value;
     }
+}
+
+/* Up to this size a matrix that many right-hand sides meet is inverted: to multiply by the inverse takes as many
+ * operations as to solve with L and U, but these do not wait for each other. */
+enum { LU_INVERTED = 8 };
+
+/* Make A ready for lu_apply: its inverse if it is small, else its factors. Returns what lu_factor returns. */
+static inline int lu_prepare(int n, double *A, int *pivots)
+{
+    int singular = lu_factor(n, A, pivots);
+    if (n > LU_INVERTED || singular) return singular;
+    double inverse[LU_INVERTED * LU_INVERTED] = {0};
+    for (int j = 0; j < n; j++) {
+        inverse[j * n + j] = 1.0;
+        lu_solve(n, A, pivots, inverse + j * n);
+    }
+    memcpy(A, inverse, (size_t)(n * n) * sizeof *A);
+    return 0;
+}
+
+/* x = A^-1 b with what lu_prepare made of A; x and b are different arrays. */
+static inline void lu_apply(int n, const double *A, const int *pivots, const double *b, double *x)
+{
+    if (n > LU_INVERTED) {
+        memcpy(x, b, (size_t)n * sizeof *x);
+        lu_solve(n, A, pivots, x);
+        return;
+    }
+    for (int i = 0; i < n; i++) x[i] = 0.0;
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < n; i++) x[i] += A[j * n + i] * b[j];
 }
 
 #endif

@@ -22,6 +22,11 @@
 #define MODEL_ALL_CLOCKED 0
 #endif
 
+/* 1 if there is a model_sweep: the blocks of the algebraic equations are small enough for a closed form. */
+#ifndef MODEL_HAS_SWEEP
+#define MODEL_HAS_SWEEP 0
+#endif
+
 #define MODEL_NV (MODEL_NX + MODEL_NZ)
 /* C has no arrays of length zero. */
 #define MODEL_ROOM(n) ((n) > 0 ? (n) : 1)
@@ -126,6 +131,12 @@ void model_initial_jacobian(MODEL_CONTINUOUS_ARGUMENTS, double *J);
 /* Outputs (y) and all other published variables that have no store of their own (l). */
 void model_outputs(MODEL_CONTINUOUS_ARGUMENTS, double *y);
 void model_locals(MODEL_CONTINUOUS_ARGUMENTS, double *l);
+
+#if MODEL_HAS_SWEEP
+/* One Newton step for each block of the algebraic equations in turn: dz, what it adds to z, and the outputs for z + dz.
+ * Converges quadratically; entries are not finite where a block is singular. */
+void model_sweep(MODEL_CONTINUOUS_ARGUMENTS, double *dz, double *y);
+#endif
 
 /* Index of the first violated assertion, or -1. Errors must come before warnings: a lasting warning would hide them. */
 int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS);

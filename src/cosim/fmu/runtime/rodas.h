@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT-0
  *
- * RODAS4(3): a Rosenbrock method for M dv/dt = f(t, v) with M = diag(1..1, 0..0), index 1. It is L-stable and stiffly
- * accurate, needs no Newton iteration, and has a dense output of order 3.
+ * RODAS5P: a Rosenbrock method of order 5(4) for M dv/dt = f(t, v) with M = diag(1..1, 0..0), index 1. It is L-stable
+ * and stiffly accurate, needs no Newton iteration, and has a dense output of order 4.
  */
 #ifndef COSIM_RODAS_H
 #define COSIM_RODAS_H
 
 #include "model.h"
+
+enum { RODAS_STAGES = 8, RODAS_DENSE = 3 };
 
 /* What does not change during a step. */
 typedef struct {
@@ -18,9 +20,20 @@ typedef struct {
     double t, h;
     double v[MODEL_ROOM(MODEL_NV)];
     double v_new[MODEL_ROOM(MODEL_NV)];
-    double dense2[MODEL_ROOM(MODEL_NV)];
-    double dense3[MODEL_ROOM(MODEL_NV)];
+    double dense[RODAS_DENSE][MODEL_ROOM(MODEL_NV)];
 } RodasStep;
+
+/* The stages' linear system (M / (gamma h) - J) k = b, with the algebraic unknowns eliminated. They are eliminated once
+ * per step, since their part of the matrix does not depend on h. */
+typedef struct {
+    double xz[MODEL_ROOM(MODEL_NX * MODEL_NZ)]; /* df_x/dz */
+    double zz[MODEL_ROOM(MODEL_NZ * MODEL_NZ)]; /* df_z/dz, prepared */
+    double zx[MODEL_ROOM(MODEL_NZ * MODEL_NX)]; /* -dz/dx along f_z = 0: (df_z/dz)^-1 df_z/dx */
+    double xx[MODEL_ROOM(MODEL_NX * MODEL_NX)]; /* df_x/dx along f_z = 0, the Jacobian of the state space form */
+    double W[MODEL_ROOM(MODEL_NX * MODEL_NX)];  /* I / (gamma h) - xx, prepared */
+    int pivots_z[MODEL_ROOM(MODEL_NZ)];
+    int pivots_x[MODEL_ROOM(MODEL_NX)];
+} StageSystem;
 
 /* A step and what it is made with. */
 typedef struct {
@@ -28,10 +41,9 @@ typedef struct {
     double f[MODEL_ROOM(MODEL_NV)];
     double f_t[MODEL_ROOM(MODEL_NV)];
     double J[MODEL_ROOM(MODEL_NV * MODEL_NV)];
-    double LU[MODEL_ROOM(MODEL_NV * MODEL_NV)];
-    double K[6][MODEL_ROOM(MODEL_NV)];
-    int pivots[MODEL_ROOM(MODEL_NV)];
-    int worst; /* unknown with the largest share of the error */
+    StageSystem system;
+    double K[RODAS_STAGES][MODEL_ROOM(MODEL_NV)];
+    int worst; /* unknown with the largest share of the error, or without a pivot */
 } Rodas;
 
 /* The memory of the step size control. */
@@ -42,8 +54,9 @@ typedef struct {
     int rejected;          /* the last attempt was rejected */
 } StepControl;
 
-/* Evaluate f, its Jacobian and its time derivative at the beginning of a step. */
-void rodas_begin(Rodas *r, double t, const double *v, const Held *held);
+/* Evaluate f, its Jacobian and its time derivative at the beginning of a step. Returns 0 if the algebraic equations are
+ * singular there. */
+int rodas_begin(Rodas *r, double t, const double *v, const Held *held);
 
 /* Try the step h; may be repeated. Returns the error, at most 1 if acceptable, infinite if f is not a number. */
 double rodas_attempt(Rodas *r, double h, double tolerance, const Held *held);

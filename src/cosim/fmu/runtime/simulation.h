@@ -107,7 +107,7 @@ const double *simulation_values(Simulation *m, ModelStore store);
 
 /* For the runtime itself. */
 int simulation_fail(Simulation *m, const char *format, ...) PRINTF_LIKE(2, 3);
-int simulation_solve_algebraic(Simulation *m, double t, double *v);
+int simulation_solve_algebraic(Simulation *m, double t, double *v, double *y); /* y, the outputs, may be NULL */
 int simulation_check_assertions(Simulation *m);
 void simulation_relations(const Simulation *m, double t, const double *v, double *g);
 int simulation_truth(const Simulation *m, int k, double g);
