@@ -8,6 +8,7 @@ import casadi as ca
 
 from cosim.dae.alias import eliminate_aliases, plain_chains
 from cosim.dae.chains import Chains, Node
+from cosim.dae.constraints import constraints_of
 from cosim.dae.dae import Dae, Published, Reset, Sizes, Unknown
 from cosim.dae.hybrid import SX, HybridSystem, Scalar
 from cosim.dae.index_reduction import Differentiated, check_structure, reduce_index
@@ -35,7 +36,7 @@ def compile_dae(flat: FlatModel) -> Dae:
     selection = select_states(differentiated, _start_point(system, chains, parameters))
     solution = _solve(differentiated, selection, parameters)
     sizes = Sizes(len(system.equations), after_aliases, len(differentiated.equations), differentiated.index)
-    return _Assembly(system, chains, selection, solution).dae(sizes, parameters)
+    return _Assembly(system, differentiated, selection, solution).dae(sizes, parameters)
 
 
 def _default_parameters(system: HybridSystem) -> dict[str, float]:
@@ -76,9 +77,12 @@ def _solve(differentiated: Differentiated, selection: Selection, parameters: dic
 class _Assembly:
     """Puts every expression in terms of the Dae's arguments."""
 
-    def __init__(self, system: HybridSystem, chains: Chains, selection: Selection, solution: Solution) -> None:
+    def __init__(
+        self, system: HybridSystem, differentiated: Differentiated, selection: Selection, solution: Solution
+    ) -> None:
         self._system = system
-        self._chains = chains
+        self._differentiated = differentiated
+        self._chains = chains = differentiated.chains
         self._selection = selection
         self._solution = solution
         self._values: dict[str, SX] = {}
@@ -96,12 +100,15 @@ class _Assembly:
         nodes = {chains.symbol(node).name(): node for node in self._selection.unknowns}
         torn = [self._unknown(nodes[symbol.name()]) for symbol in self._solution.torn]
         residuals = ca.vertcat(SX(0, 1), *(self.resolve(r) for r in self._solution.residuals))
+        equations = [self._differentiated.equations[e] for e in self._solution.residual_equations]
+        texts = [system.source.with_line(e.text, e.at) for e in equations]
+        algebraic = list(zip(ca.vertsplit(residuals), texts, strict=True)) if texts else []
         derivatives = ca.vertcat(
             SX(0, 1),
             *(self.resolve(chains.symbol(Node(node.base, node.order + 1))) for node in self._selection.states),
         )
         conditions = self._conditions()
-        initial_residuals, initial_texts, kept = initial_system(system, states, torn, residuals, conditions)
+        initial_residuals, initial_texts, kept = initial_system(system, states, torn, algebraic, conditions)
         return Dae(
             name=system.name,
             description=system.description,
@@ -136,6 +143,7 @@ class _Assembly:
             aliases={name: alias.text for name, alias in chains.aliases.items() if name in system.unknowns},
             blocks=self._solution.blocks,
             sizes=sizes,
+            constraints=constraints_of(self._selection, self._differentiated, self.resolve),
             continuous_solution=[(s.name(), self._values[s.name()]) for s, _ in self._solution.steps],
         )
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
+from cosim.dae.constraints import Constraints
 from cosim.dae.hybrid import SX, Assignment, Check, Clock, Parameter, Relation, Scalar
 from cosim.dae.tearing import Block
 
@@ -80,6 +81,7 @@ class Dae:
     terminations: list[tuple[SX, str]]
     initial_residuals: SX
     initial_texts: list[str]
+    """Each equation of the initial system, with its place in the source."""
     starts_kept: list[bool]
     """For each unknown, whether the initial system says no more of it than that it has its start value."""
     published: list[Published]
@@ -88,6 +90,8 @@ class Dae:
     """What each eliminated variable equals, as text."""
     blocks: list[Block]
     sizes: Sizes
+    constraints: list[Constraints] = field(default_factory=list)
+    """Where the choice of states could become wrong."""
     continuous_solution: list[tuple[str, SX]] = field(default_factory=list)
     """Every explicitly computed unknown, in the order of computation, in terms of the arguments."""
 

@@ -13,7 +13,7 @@ def initial_system(
     system: HybridSystem,
     states: list[Unknown],
     torn: list[Unknown],
-    residuals: SX,
+    algebraic: list[tuple[SX, str]],
     conditions: list[tuple[SX, str, int]],
 ) -> tuple[SX, list[str], list[bool]]:
     """Residuals of the initial system, their texts, and which unknowns simply have their start value.
@@ -25,7 +25,7 @@ def initial_system(
         system: for the place of errors.
         states: the continuous states.
         torn: the torn unknowns.
-        residuals: the algebraic equations, one for each torn unknown.
+        algebraic: residual and text of the algebraic equations, one for each torn unknown.
         conditions: residual, text and place of each initial condition.
 
     Raises:
@@ -33,9 +33,9 @@ def initial_system(
     """
     unknowns = [*states, *torn]
     column = {u.symbol.name(): j for j, u in enumerate(unknowns)}
-    rows = [(r, f"algebraic equation for {u.name}") for r, u in zip(ca.vertsplit(residuals), torn, strict=True)]
-    rows += [(residual, text) for residual, text, _ in conditions]
-    rows += [(u.symbol - u.start, f"{u.name} = its start value") for u in states]
+    rows = [*algebraic]
+    rows += [(residual, system.source.with_line(text, at)) for residual, text, at in conditions]
+    rows += [(u.symbol - u.start, f"{u.name} = its start value, which is not fixed") for u in states]
     incidence = [[column[s.name()] for s in ca.symvar(r) if s.name() in column] for r, _ in rows]
     matched: dict[int, int] = {}
     taken: list[int] = []

@@ -28,6 +28,17 @@ class Selection:
     states: list[Node]
     unknowns: list[Node]
     dummies: list[Node]
+    groups: list[Group]
+    """The choices that were made, highest derivatives first."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Constraints of one level: they give the derivatives ``dummies`` from the derivatives ``others``."""
+
+    equations: list[int]
+    dummies: list[Node]
+    others: list[Node]
 
 
 def select_states(system: Differentiated, values: dict[str, float]) -> Selection:
@@ -43,6 +54,7 @@ def select_states(system: Differentiated, values: dict[str, float]) -> Selection
     """
     chains = system.chains
     dummies: list[Node] = []
+    groups: list[Group] = []
     group = [e for e in range(len(system.equations)) if e not in system.successor and e in system.predecessor]
     candidates = [Node(base, len(chain) - 1) for base, chain in chains.symbols.items() if len(chain) > 1]
     point = _Point(values)
@@ -60,6 +72,7 @@ def select_states(system: Differentiated, values: dict[str, float]) -> Selection
             )
         taken = chains.ordered(candidates[j] for j in chosen)
         dummies += taken
+        groups.append(Group(group, taken, [node for node in candidates if node not in taken]))
         group = [system.predecessor[e] for e in group if system.level(e) > 1]
         candidates = [Node(n.base, n.order - 1) for n in taken if n.order > 1]
     dummy = set(dummies)
@@ -68,7 +81,7 @@ def select_states(system: Differentiated, values: dict[str, float]) -> Selection
     states = [n for n in nodes if (up := Node(n.base, n.order + 1)) in known and up not in dummy]
     taken_states = set(states)
     _check_always(chains, taken_states)
-    return Selection(states, [n for n in nodes if n not in taken_states], dummies)
+    return Selection(states, [n for n in nodes if n not in taken_states], dummies, groups)
 
 
 def _wish(chains: Chains, derivative: Node) -> float:

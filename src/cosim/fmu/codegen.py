@@ -14,6 +14,7 @@ from cosim.dae.hybrid import SX, Assignment
 from cosim.dae.sweep import newton_sweep
 from cosim.dae.symbolic import substitute
 from cosim.fmu.c_expressions import SCALARS, number, print_function
+from cosim.fmu.constraint_tables import constraint_sizes, constraint_tables
 from cosim.fmu.layout import Layout
 from cosim.fmu.loops import Run, c_expression, find_runs, shared
 
@@ -72,6 +73,7 @@ class _Generator:
             "ND": len(dae.discretes), "NG": len(dae.relations), "NS": len(dae.clocks), "NY": len(layout.outputs),
             "NL": len(layout.locals), "NA": len(dae.checks), "NVARIABLES": len(layout.slots),
         }  # fmt: skip
+        values |= constraint_sizes(dae.constraints)
         values["ALL_CLOCKED"] = int(_all_clocked(dae))
         values["HAS_SWEEP"] = int(self._swept is not None)
         lines = [f"/* Sizes of {dae.name}. */", "#ifndef COSIM_MODEL_SIZES_H", "#define COSIM_MODEL_SIZES_H", ""]
@@ -106,6 +108,12 @@ class _Generator:
         parts += self._continuous("model_locals", {"l": _column(self._layout.locals)}, "")
         parts += self._assertions()
         parts += self._discrete()
+        if dae.constraints:
+            tables, entries = constraint_tables(dae.constraints)
+            for t in tables:
+                values = [_string(value) for value in t.values] if "char" in t.kind else t.values
+                parts += [f"const {t.kind} model_{t.name}[MODEL_{t.size}] = {{{', '.join(values)}}};", ""]
+            parts += self._continuous("model_constraint_entries", {"entries": entries}, "")
         return "\n".join(parts)
 
     def _equation_comment(self) -> str:

@@ -66,6 +66,11 @@ class Source:
         line_start = before.rfind(b"\n") + 1
         return Place(file, before.count(b"\n") + 1, len(before[line_start:].decode("utf-8", "replace")) + 1)
 
+    def with_line(self, text: str, offset: int) -> str:
+        """A piece of a message with the file's name and the line of a byte offset behind it."""
+        place = self.place(offset)
+        return f"{text} ({place.file.name}:{place.line})"
+
     def error(self, message: str, offset: int | None = None) -> ModelError:
         """Build the error for something wrong at a byte offset (or in the text as a whole)."""
         if offset is None:

@@ -8,10 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A model that changes direction faster than this many times in this many seconds is chattering. */
-enum { BURST_EVENTS = 1000 };
-static const double BURST_DURATION = 1e-5;
-
 static Held held(const State *s)
 {
     Held h = {s->u, s->p, s->d, s->c};
@@ -54,6 +50,7 @@ static int step_is_too_small(Simulation *m, double h, int not_a_number)
                         "the largest error is in %s. Try a looser tolerance; check for a solution that grows beyond "
                         "bounds, a discontinuity hidden in noEvent() or smooth(), and parameters out of range.",
                         s->t, h, s->tolerance, name);
+    simulation_blame_selection(m, s->v);
     return 1;
 }
 
@@ -65,9 +62,11 @@ static int take_step(Simulation *m, double limit)
     double rest = limit - s->t;
     s->counters[COUNTER_RHS]++;
     s->counters[COUNTER_JACOBIANS]++;
-    if (!rodas_begin(&m->rodas, s->t, s->v, &constant))
-        return simulation_fail(m, "At t = %.9g s the algebraic equations are singular; the unknown concerned is %s.",
-                               s->t, model_unknown_names[m->rodas.worst]);
+    if (!rodas_begin(&m->rodas, s->t, s->v, &constant)) {
+        simulation_fail(m, "At t = %.9g s the algebraic equations are singular; the unknown concerned is %s.", s->t,
+                        model_unknown_names[m->rodas.worst]);
+        return simulation_blame_selection(m, s->v);
+    }
     if (!(s->control.h > 0.0)) s->control.h = rodas_first_step(&m->rodas, s->tolerance);
     for (;;) {
         double wanted = s->control.h;
@@ -80,10 +79,11 @@ static int take_step(Simulation *m, double limit)
         if (error <= 1.0) {
             control_accept(&s->control, h, error);
             s->counters[COUNTER_STEPS]++;
-            return 1;
+            return h < wanted || simulation_check_progress(m);
         }
         control_reject(&s->control, h, error);
         s->counters[COUNTER_REJECTED]++;
+        if (h == wanted && !simulation_check_progress(m)) return 0;
         if (step_is_too_small(m, s->control.h, !isfinite(error))) return 0;
     }
 }
@@ -122,24 +122,6 @@ static void move_to(Simulation *m, double t, double theta)
     m->have = 0;
 }
 
-/* The state event at s.t is known: refuse to follow a burst of them. */
-static int count_state_event(Simulation *m)
-{
-    State *s = &m->s;
-    s->counters[COUNTER_STATE_EVENTS]++;
-    if (s->t - s->burst_start > BURST_DURATION) {
-        s->burst_start = s->t;
-        s->burst_events = 0;
-    }
-    if (++s->burst_events <= BURST_EVENTS) return 1;
-    char text[512];
-    return simulation_fail(m,
-                           "At t = %.9g s the model chatters: %d state events within %.2g s, the last one in the "
-                           "relation %s. Smooth the discontinuity or give it a hysteresis.",
-                           s->t, (int)BURST_EVENTS, BURST_DURATION,
-                           simulation_changing_relations(m, text, sizeof text));
-}
-
 static void note_state_event(const Simulation *m)
 {
     if (!m->log_events || !m->log) return;
@@ -164,9 +146,10 @@ Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_e
         }
         move_to(m, ahead->end, ahead->theta_end);
         ahead->active = 0;
+        if (!simulation_check_selection(m)) return ADVANCE_FAILED;
         if (ahead->ends_in_event) {
             note_state_event(m);
-            if (!simulation_solve_algebraic(m, s->t, s->v, NULL) || !count_state_event(m)) return ADVANCE_FAILED;
+            if (!simulation_solve_algebraic(m, s->t, s->v, NULL) || !simulation_count_event(m)) return ADVANCE_FAILED;
             s->event_due = 1;
             if (stop_at_events) return ADVANCE_EVENT;
             if (!simulation_event(m, 0, NULL)) return ADVANCE_FAILED;

@@ -42,10 +42,12 @@ static int solve_by_newton(Simulation *m, double t, double *v)
     memcpy(z, v + MODEL_NX, MODEL_NZ * sizeof *z);
     NewtonOutcome outcome =
         newton_solve(&m->newton, MODEL_NZ, algebraic_system, &system, model_nominal + MODEL_NX, z);
-    if (outcome != NEWTON_SOLVED)
-        return simulation_fail(m, "At t = %.9g s the algebraic equations %s; the unknown concerned is %s.", t,
-                               outcome == NEWTON_SINGULAR ? "are singular" : "cannot be solved",
-                               model_unknown_names[MODEL_NX + m->newton.worst]);
+    if (outcome != NEWTON_SOLVED) {
+        simulation_fail(m, "At t = %.9g s the algebraic equations %s; the unknown concerned is %s.", t,
+                        outcome == NEWTON_SINGULAR ? "are singular" : "cannot be solved",
+                        model_unknown_names[MODEL_NX + m->newton.worst]);
+        return simulation_blame_selection(m, v);
+    }
     memcpy(v + MODEL_NX, z, MODEL_NZ * sizeof *z);
     return 1;
 }
@@ -115,29 +117,20 @@ static int solve_initial(Simulation *m)
     NewtonOutcome outcome = newton_solve(w, MODEL_NV, initial_system, &m->s, model_nominal, v);
     if (outcome == NEWTON_SINGULAR) {
         /* Start values of zero are often a singular point, as for a linkage: stretched out. */
+        double stuck[MODEL_ROOM(MODEL_NV)];
+        memcpy(stuck, v, sizeof stuck);
         for (int i = 0; i < MODEL_NV; i++) v[i] += 0.01 * (1 + i % 3) * model_nominal[i];
         outcome = newton_solve(w, MODEL_NV, initial_system, &m->s, model_nominal, v);
+        if (outcome == NEWTON_SINGULAR) {
+            memcpy(v, stuck, sizeof stuck);
+            initial_system(&m->s, v, w->r, NULL);
+        }
     }
     if (outcome == NEWTON_SOLVED) {
         keep_start_values(m);
         return 1;
     }
-    char text[700];
-    size_t used = 0;
-    for (int rank = 0; rank < 3 && rank < MODEL_NV; rank++) {
-        int worst = -1;
-        for (int i = 0; i < MODEL_NV; i++)
-            if (w->r[i] != 0.0 && (worst < 0 || isnan(w->r[i]) || fabs(w->r[i]) > fabs(w->r[worst]))) worst = i;
-        if (worst < 0 || used >= sizeof text) break;
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s (residual %.3g)", rank ? "; " : "",
-                                 model_initial_texts[worst], w->r[worst]);
-        w->r[worst] = 0.0;
-    }
-    return simulation_fail(m,
-                           "The initial equations %s; the unknown concerned is %s. The equations farthest from their "
-                           "solution: %s. Check the start values and parameters in them.",
-                           outcome == NEWTON_SINGULAR ? "are singular" : "cannot be solved",
-                           model_unknown_names[w->worst], used ? text : "none");
+    return simulation_blame_initial(m, outcome);
 }
 
 int simulation_truth(const Simulation *m, int k, double g)
@@ -305,6 +298,8 @@ int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
     double fired[MODEL_ROOM(MODEL_NS)] = {0};
     int discontinuous = 0, reinit = 0, ticks = 0;
     s->ahead.active = 0; /* what lies ahead was computed without this event */
+    memset(s->selection_sign, 0, sizeof s->selection_sign);
+    s->window.events++;
     if (with_ticks) ticks = take_ticks(s, fired);
     if (ticks) s->counters[COUNTER_TIME_EVENTS]++;
     m->have = 0;
@@ -341,7 +336,8 @@ int simulation_initialise(Simulation *m)
     int ignored = 0;
     m->have = 0;
     s->terminate = 0;
-    s->burst_start = s->t;
+    simulation_start_watching(m);
+    memset(s->selection_sign, 0, sizeof s->selection_sign);
     if (!start_clocks(m)) return 0;
     model_start(s->p, s->v, s->d);
     memcpy(pre, s->d, sizeof pre);

@@ -151,4 +151,23 @@ int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS);
 int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial, double *d_new,
                    double *x_new);
 
+/* The constraints that the choice of states rests on. For each set, a matrix with `rows` rows and `columns` columns:
+ * its first `rows` columns must be regular, for what is not a state is computed from what is. Rows stand in block lower
+ * triangular order. The numbers of all sets' matrix entries that are not always zero are computed together. */
+#ifndef MODEL_NCONSTRAINTS
+#define MODEL_NCONSTRAINTS 0
+#endif
+#if MODEL_NCONSTRAINTS > 0
+typedef struct {
+    int rows, columns, entries; /* of this set; its own begin in the tables where those of the sets before it end */
+} ModelConstraints;
+extern const ModelConstraints model_constraints[MODEL_NCONSTRAINTS];
+extern const unsigned short model_constraint_row[MODEL_CONSTRAINT_ENTRIES];
+extern const unsigned short model_constraint_column[MODEL_CONSTRAINT_ENTRIES];
+extern const unsigned short model_constraint_block[MODEL_CONSTRAINT_ROWS];
+extern const char *const model_constraint_texts[MODEL_CONSTRAINT_ROWS];      /* for each row, its equation */
+extern const char *const model_constraint_variables[MODEL_CONSTRAINT_COLUMNS]; /* for each column, the states it is for */
+void model_constraint_entries(MODEL_CONTINUOUS_ARGUMENTS, double *entries);
+#endif
+
 #endif

@@ -32,6 +32,19 @@ typedef struct {
     RodasStep step;
 } Ahead;
 
+/* How a relation's events follow each other: the last one, the time from the one before to it, and how many times in
+ * a row that time was shorter than the time before. */
+typedef struct {
+    double last, interval;
+    int64_t shorter;
+} Accumulation;
+
+/* Where the solver was when its progress was last looked at, and what has happened since. */
+typedef struct {
+    double t, v[MODEL_ROOM(MODEL_NV)];
+    int64_t attempts, events;
+} Window;
+
 /* All that determines the future of an instance, and nothing else: saving it is copying it. */
 typedef struct {
     double t, stop, tolerance;
@@ -48,7 +61,10 @@ typedef struct {
     Ahead ahead;
     double burst_start; /* when the present burst of state events began, and how many there were since */
     int64_t burst_events;
+    Accumulation accumulation[MODEL_ROOM(MODEL_NG)];
+    Window window;
     uint64_t counters[COUNTERS];
+    signed char selection_sign[MODEL_ROOM(MODEL_NCONSTRAINTS)]; /* of the constraints' determinants; 0 if not known */
     int mode;        /* of the FMI shell */
     int inputs_wait;
     int initialised; /* v, d, c solve the initial equations for the present u, p, t */
@@ -108,6 +124,18 @@ const double *simulation_values(Simulation *m, ModelStore store);
 /* For the runtime itself. */
 int simulation_fail(Simulation *m, const char *format, ...) PRINTF_LIKE(2, 3);
 int simulation_solve_algebraic(Simulation *m, double t, double *v, double *y); /* y, the outputs, may be NULL */
+/* The initial equations have no solution at s.v, where m->newton gave up: which of them, and for which unknowns. */
+int simulation_blame_initial(Simulation *m, NewtonOutcome outcome);
+/* Events and progress are watched from s.t on. */
+void simulation_start_watching(Simulation *m);
+/* The relations in m->changing have changed at s.t: refuse to follow events that come ever faster. */
+int simulation_count_event(Simulation *m);
+/* A step of the solver's own choice was accepted or rejected: refuse to go on where the solver makes no progress. */
+int simulation_check_progress(Simulation *m);
+/* If the choice of states is singular at s.t and v, say so instead of what the message says now. Returns 0. */
+int simulation_blame_selection(Simulation *m, const double *v);
+/* After a step: whether the choice of states has stayed regular, as far as looked at; 0 with a message if not. */
+int simulation_check_selection(Simulation *m);
 int simulation_check_assertions(Simulation *m);
 void simulation_relations(const Simulation *m, double t, const double *v, double *g);
 int simulation_truth(const Simulation *m, int k, double g);
