@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import casadi as ca
@@ -20,17 +22,50 @@ from cosim.dae.symbolic import evaluate, substitute
 from cosim.modelica import Source, flatten
 
 
+@dataclass(frozen=True)
+class Reduced:
+    """A model reduced by CasADi to a semi-explicit DAE, with consistent start values."""
+
+    explicit: dict[str, ca.SX]
+    to_original: ca.Function
+    start: dict[str, ca.DM]
+    names: list[str]
+    """Of the original states, then of the algebraic unknowns."""
+    aliases: dict[str, tuple[str, float]]
+    """What is another unknown times a factor."""
+
+    def integrator(self, grid: np.ndarray, tolerance: float, **options: object) -> ca.Function:
+        """IDAS on the grid, to be called with ``start``."""
+        options = {"abstol": tolerance, "reltol": tolerance, "max_num_steps": 10**6} | options
+        return ca.integrator("oracle", "idas", self.explicit, float(grid[0]), grid.tolist(), options)
+
+    def rows(self, solution: Mapping[str, ca.DM]) -> dict[str, np.ndarray]:
+        """The values of all unknowns by their names."""
+        x, _, z = (np.array(part) for part in self.to_original(solution["xf"], solution["zf"]))
+        rows = dict(zip(self.names, np.vstack([x, z]), strict=True))
+        aliases = {name: factor * rows[other] for name, (other, factor) in self.aliases.items() if other in rows}
+        return rows | aliases
+
+
 def trajectories(
     file: Path, model: str, grid: np.ndarray, inputs: dict[str, float], guesses: dict[str, float] | None = None
 ) -> dict[str, np.ndarray]:
-    """Every unknown on the grid, while all relations and discrete variables stay false or zero.
+    """Every unknown on the grid; its first time is the start. The other arguments are those of :func:`reduce`."""
+    reduced = reduce(file, model, inputs, guesses, float(grid[0]))
+    return reduced.rows(reduced.integrator(grid, 1e-10)(**reduced.start))
+
+
+def reduce(
+    file: Path, model: str, inputs: dict[str, float], guesses: dict[str, float] | None = None, begin: float = 0.0
+) -> Reduced:
+    """Reduce a model while all its relations and discrete variables stay false or zero.
 
     Args:
         file: the Modelica file or package.
         model: the full name of the class.
-        grid: increasing times, the first of which is the start.
         inputs: constant values; the others keep their start value.
         guesses: of unknowns that the model gives no start value for.
+        begin: the time of the start.
     """
     system = lower(flatten(Source.read(file), model))
     chains = eliminate_aliases(system)
@@ -104,15 +139,16 @@ def trajectories(
     quiet = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": 0, "ipopt.tol": 1e-12}
     initialise = ca.dae_init_gen(dae, reduced, "ipopt", weight, quiet)
     p = ca.DM([values[name] for name in known])
-    start = initialise(**guess, p=p, t=float(grid[0]))
-    options = {"abstol": 1e-10, "reltol": 1e-10, "max_num_steps": 10**6}
-    integrate = ca.integrator("oracle", "idas", explicit, float(grid[0]), grid.tolist(), options)
-    solution = integrate(x0=start["x0"], z0=start["z0"], p=p)
-    x, _, z = (np.array(part) for part in to_original(solution["xf"], solution["zf"]))
-    rows = dict(zip([s.name() for s in (*states, *algebraics)], np.vstack([x, z]), strict=True))
-    result = dict(rows)
+    start = initialise(**guess, p=p, t=begin)
+    aliases = {}
     for name, alias in chains.aliases.items():
         symbols = ca.symvar(alias.value)
-        if len(symbols) == 1 and symbols[0].name() in rows:
-            result[name] = float(ca.DM(ca.jacobian(alias.value, symbols[0]))) * rows[symbols[0].name()]
-    return result
+        if len(symbols) == 1:
+            aliases[name] = symbols[0].name(), float(ca.DM(ca.jacobian(alias.value, symbols[0])))
+    return Reduced(
+        explicit,
+        to_original,
+        {"x0": start["x0"], "z0": start["z0"], "p": p},
+        [s.name() for s in (*states, *algebraics)],
+        aliases,
+    )

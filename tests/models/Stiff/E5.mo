@@ -7,7 +7,7 @@ model E5 "Pyrolysis over 13 decades of time: W. H. Enright, T. E. Hull, B. Lindb
   parameter Parts.Rate A = 7.89e-10 "y1 -> y2 + y3";
   parameter Parts.Rate B = 1.1e7 "y1 + y3 -> y4";
   parameter Parts.Rate C = 1.13e3 "y4 -> y3";
-  parameter Parts.Rate M = 1e6 "Relative rate of y2 + y3 ->";
+  parameter Real M(unit="1") = 1e6 "Relative rate of y2 + y3 ->";
 equation
   der(y1) = -A*y1 - B*y1*y3;
   der(y2) = A*y1 - M*C*y2*y3;
