@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.engine import Component, Connection, Fmu, SimulationInterrupted, System, _library, simulate
+from cosim.engine import Component, Connection, Fmu, SimulationInterrupted, System, _compilation, _library, simulate
 from cosim.errors import BuildError, InputError
+from cosim.fmu.toolchain import host_name
 
 Get = Callable[..., Fmu]
 
@@ -66,7 +67,9 @@ def test_the_library_is_compiled_once_and_found_again(
     fmu: Get, empty_cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert loop_used(fmu) == "native"
-    assert [path.name for path in empty_cache.iterdir() if path.suffix != ".lock"] == [_library.file_name()]
+    assert [path.name for path in empty_cache.iterdir() if path.suffix != ".lock"] == [
+        _compilation.file_name(host_name())
+    ]
     _library._load.cache_clear()
     monkeypatch.setattr("cosim.fmu.toolchain.compiler", without_compiler)
     assert loop_used(fmu) == "native"
@@ -85,10 +88,10 @@ def test_a_library_in_the_package_comes_first(
     fmu: Get, empty_cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     package = tmp_path / "native"
-    shutil.copytree(_library.SOURCES, package)
+    shutil.copytree(_compilation.SOURCES, package)
     (package / "prebuilt").mkdir(exist_ok=True)
-    monkeypatch.setattr(_library, "SOURCES", package)
-    _library.compile_to(package / "prebuilt" / _library.file_name())
+    monkeypatch.setattr(_compilation, "SOURCES", package)
+    _library.compile_to(package / "prebuilt" / _compilation.file_name(host_name()))
     assert loop_used(fmu) == "native"
     assert not empty_cache.exists()
 
@@ -97,10 +100,10 @@ def test_a_library_with_other_tables_is_not_used(
     fmu: Get, empty_cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     package = tmp_path / "native"
-    shutil.copytree(_library.SOURCES, package)
+    shutil.copytree(_compilation.SOURCES, package)
     header = package / "engine.h"
     header.write_text(header.read_text().replace("double period;", "double period, more;"))
-    monkeypatch.setattr(_library, "SOURCES", package)
+    monkeypatch.setattr(_compilation, "SOURCES", package)
     monkeypatch.setenv("COSIM_ENGINE", "native")
     with pytest.raises(BuildError, match="its tables have the sizes"):
         loop_used(fmu)
@@ -112,9 +115,9 @@ def test_the_c_compiles_without_warnings(tmp_path: Path) -> None:
     if gcc is None:
         pytest.skip("gcc is not installed")
     warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wstrict-prototypes", "-Werror"]
-    source = str(_library.SOURCES / "engine.c")
+    source = str(_compilation.SOURCES / "engine.c")
     done = subprocess.run(
-        [gcc, *_library.FLAGS, *warnings, "-o", str(tmp_path / "x.so"), source, "-lm"],
+        [gcc, *_compilation.FLAGS, *warnings, "-o", str(tmp_path / "x.so"), source, "-lm"],
         check=False,
         capture_output=True,
         text=True,
@@ -217,11 +220,11 @@ def test_the_suite_is_clean_under_sanitizers(tmp_path: Path) -> None:
     asan = gcc and subprocess.run([gcc, find], check=True, capture_output=True, text=True).stdout.strip()
     if not gcc or not asan or not Path(asan).exists():
         pytest.skip("gcc with its address sanitizer is not installed")
-    library = tmp_path / "wiper-cosim" / "engine" / _library.file_name()
+    library = tmp_path / "wiper-cosim" / "engine" / _compilation.file_name(host_name())
     library.parent.mkdir(parents=True)
-    source = str(_library.SOURCES / "engine.c")
+    source = str(_compilation.SOURCES / "engine.c")
     sanitize = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
-    subprocess.run([gcc, *_library.FLAGS, *sanitize, "-o", str(library), source, "-lm"], check=True)
+    subprocess.run([gcc, *_compilation.FLAGS, *sanitize, "-o", str(library), source, "-lm"], check=True)
     environment = {
         **os.environ,
         "LD_PRELOAD": asan,

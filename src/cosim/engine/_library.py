@@ -7,21 +7,16 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import hashlib
 import os
-import platform
-import subprocess
-import sys
 import tempfile
+from contextlib import suppress
 from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_int64
 from pathlib import Path
 
+from cosim.engine import _compilation
 from cosim.engine._tables import SIZES, Engine
 from cosim.errors import BuildError, InputError
-
-SOURCES = Path(__file__).parent / "native"
-FLAGS = ("-std=c11", "-O2", "-g0", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-Wall", "-Wextra")
-"""Of the compiler; nothing here may change what floating point gives."""
+from cosim.fmu.toolchain import host_name
 
 CHOICE = "COSIM_ENGINE"
 """Environment variable: "native", "python", or "auto", which takes the Python loop if the native one cannot be had."""
@@ -49,23 +44,15 @@ def native_library() -> ctypes.CDLL | None:
 @functools.cache
 def _load() -> ctypes.CDLL | BuildError:
     """Load or build the library, once per process; a failure is remembered, too."""
-    name = file_name()
+    name = _compilation.file_name(host_name())
+    prebuilt, cached = _compilation.SOURCES / "prebuilt" / name, cache_folder() / name
+    if prebuilt.is_file():
+        with suppress(OSError, BuildError):  # it may be for another C library than this system has
+            return _opened(prebuilt)
     try:
-        for folder in (SOURCES / "prebuilt", cache_folder()):
-            if (folder / name).is_file():
-                return _opened(folder / name)
-        return _opened(_built(cache_folder() / name))
+        return _opened(cached if cached.is_file() else _built(cached))
     except (BuildError, OSError) as error:
         return error if isinstance(error, BuildError) else BuildError(f"the native loop cannot be loaded: {error}")
-
-
-def file_name() -> str:
-    """Return the name of the library for this machine and these sources."""
-    digest = hashlib.sha256(" ".join(FLAGS).encode())
-    for path in sorted(SOURCES.glob("*.[ch]")):
-        digest.update(path.read_bytes())
-    suffix = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
-    return f"engine-{platform.machine().lower()}-{sys.platform}-{digest.hexdigest()[:16]}{suffix}"
 
 
 def cache_folder() -> Path:
@@ -79,11 +66,9 @@ def compile_to(output: Path) -> None:
     """Compile the library with the project's compiler; raises BuildError if there is none or it fails."""
     from cosim.fmu.toolchain import compiler
 
-    libraries = [] if output.suffix == ".dll" else ["-lm"]
-    command = [*compiler(), *FLAGS, "-o", str(output), str(SOURCES / "engine.c"), *libraries]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise BuildError(f"the C compiler failed on the native loop:\n{done.stderr.strip()[-3000:]}")
+    said = _compilation.compile_library(compiler(), output)
+    if said:
+        raise BuildError(f"the C compiler failed on the native loop:\n{said[-3000:]}")
 
 
 def _built(path: Path) -> Path:

@@ -48,16 +48,20 @@ PLATFORMS = {
 }
 
 
+def host_name() -> str:
+    """The platform this runs on, in the words of PLATFORMS, whether it is one of them or not."""
+    machine = platform.machine().lower()
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    return f"{machine}-{platform.system().lower()}"
+
+
 def host() -> Platform:
     """The platform this runs on.
 
     Raises:
         BuildError: no FMU can be built for it.
     """
-    machine = {"amd64": "x86_64", "x86_64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}.get(
-        platform.machine().lower(), platform.machine().lower()
-    )
-    name = f"{machine}-{platform.system().lower()}"
+    name = host_name()
     if name not in PLATFORMS:
         raise BuildError(f"FMUs can be built for {', '.join(PLATFORMS)}, but this machine is {name}")
     return PLATFORMS[name]

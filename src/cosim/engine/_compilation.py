@@ -1,0 +1,48 @@
+"""How the native loop is compiled: here on first use, and beforehand for the wheels.
+
+The build hook of the wheels (``hatch_build.py``) loads this file by its path, where nothing else is installed: it uses
+the standard library only.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+SOURCES = Path(__file__).parent / "native"
+FLAGS = (
+    "-std=c11",
+    "-O2",
+    "-g0",
+    "-fPIC",
+    "-shared",
+    "-fvisibility=hidden",
+    "-ffp-contract=off",
+    "-s",
+    "-Wall",
+    "-Wextra",
+)
+"""Of the compiler; nothing here may change what floating point gives."""
+
+SUFFIXES = {"windows": ".dll", "darwin": ".dylib"}
+"""How a library ends by operating system; ".so" elsewhere."""
+
+
+def file_name(platform: str) -> str:
+    """Return the name of the library for a platform ("x86_64-linux"): it contains a digest of what it is made from."""
+    digest = hashlib.sha256(" ".join(FLAGS).encode())
+    for path in sorted(SOURCES.glob("*.[ch]")):
+        digest.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    suffix = SUFFIXES.get(platform.rpartition("-")[2], ".so")
+    return f"engine-{platform}-{digest.hexdigest()[:16]}{suffix}"
+
+
+def compile_library(compiler: Sequence[str], output: Path) -> str:
+    """Compile with this command; return what the compiler says if it fails, an empty text if it does not."""
+    libraries = [] if output.suffix == ".dll" else ["-lm"]
+    # in the folder of the output, since a library for macOS holds its own name as it was given
+    command = [*compiler, *FLAGS, "-o", output.name, str(SOURCES.resolve() / "engine.c"), *libraries]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=output.parent)
+    return (done.stderr.strip() or f"exit code {done.returncode}") if done.returncode else ""
