@@ -9,20 +9,26 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
-from cosim.dae.evaluate import Evaluator, Mode, Symbols, declare_held, element_names
-from cosim.dae.hybrid import SX, Assignment, Reinit
+from cosim.dae.array_functions import reduce
+from cosim.dae.evaluate import Evaluator
+from cosim.dae.hybrid import SX, Assignment, Check, Reinit
+from cosim.dae.statements import run
+from cosim.dae.symbols import Evaluate, Mode, Symbols, declare_held, element_names
+from cosim.dae.texts import text
 from cosim.errors import ModelError
 from cosim.modelica import flat as fm
 from cosim.modelica.expressions import Array, Binary, Call, Expression, If, Reference, render, render_equation
 
 
-def lower_discrete(symbols: Symbols) -> tuple[list[Assignment], set[fm.Equation]]:
+def lower_discrete(symbols: Symbols, known: list[Assignment]) -> tuple[list[Assignment], set[fm.Equation]]:
     """Fill ``system.reinits`` and ``terminations``; returns the assignments, in any order, and the equations used up.
+
+    ``known`` are assignments of algorithm sections, which are among those returned.
 
     Raises:
         ModelError: a discrete variable has no equation or two.
     """
-    assignments: list[Assignment] = []
+    assignments = list(known)
     for when in symbols.flat.whens:
         assignments += _When(symbols, when).lower()
     assigned = {target for assignment in assignments for target in assignment.targets}
@@ -36,7 +42,7 @@ def order_discrete(symbols: Symbols, assignments: list[Assignment]) -> None:
     Raises:
         ModelError: discrete equations need each other's result.
     """
-    held = [Assignment((h.name,), ca.floor(h.value), None, f"{h.name} = floor in {h.text}", h.at) for h in symbols.held]
+    held = [Assignment((h.name,), h.value, None, f"{h.name} = {h.text}", h.at) for h in symbols.held]
     symbols.system.assignments = _ordered(symbols, assignments + held)
 
 
@@ -48,6 +54,8 @@ class _When:
         self._system = symbols.system
         self._when = when
         self._extra: list[Assignment] = []
+        self._checks: list[Check] = []
+        """Assertions inside functions that the actions call."""
         self._conditions: dict[str, SX] = {}
         """For targets of ``x = if condition then ... else pre(x)``, the condition."""
 
@@ -59,8 +67,14 @@ class _When:
             for earlier in actives:
                 active = ca.logic_and(active, ca.logic_not(earlier))
             actives.append(active)
-            values.append(self._sequential(actions) if self._when.sequential else self._equations(actions))
-            self._effects(actions, active)
+            self._checks.clear()
+            if self._when.sequential:
+                values.append(self._sequential(actions, active))
+            else:
+                values.append(self._equations(actions))
+                self._effects(actions, active)
+            for check in self._checks:
+                self._at_event(check, active)
         return self._extra + self._assignments(actives, values)
 
     def _assignments(self, actives: list[SX], values: list[dict[str, SX]]) -> list[Assignment]:
@@ -99,15 +113,19 @@ class _When:
         value = Evaluator(self._symbols, Mode.DISCRETE)(condition)
         if isinstance(condition, Call) and condition.function in ("sample", "initial"):
             return value
+        became = [self._became_true(element, render(condition)) for element in ca.vertsplit(ca.vec(value))]
+        return reduce(ca.logic_or, became)
+
+    def _became_true(self, value: SX, condition: str) -> SX:
         name = f"$when{sum(n.startswith('$when') for n in self._system.discretes) + 1}"
         declare_held(self._symbols, name, "Boolean")
-        self._extra.append(Assignment((name,), value, None, f"{name} = {render(condition)}", self._when.at))
+        self._extra.append(Assignment((name,), value, None, f"{name} = {condition}", self._when.at))
         # during initialisation only initial() makes a when-clause act (Modelica 8.6)
         before = ca.logic_or(self._symbols.pre[name], self._system.initial)
         return ca.logic_and(self._symbols.new[name], ca.logic_not(before))
 
     def _equations(self, actions: tuple[fm.Action, ...]) -> dict[str, SX]:
-        evaluate = Evaluator(self._symbols, Mode.SAMPLED)
+        evaluate = self._evaluator()
         values: dict[str, SX] = {}
         for action in actions:
             if isinstance(action, fm.Assign):
@@ -131,6 +149,7 @@ class _When:
     def _unconditionally(self, actions: tuple[fm.Action, ...]) -> dict[str, SX]:
         """The values inside an if, where the condition of the if is what keeps the others."""
         inner = _When(self._symbols, self._when)
+        inner._checks = self._checks
         values = inner._equations(actions)
         for target, condition in inner._conditions.items():
             values[target] = ca.if_else(condition, values[target], self._symbols.pre[target])
@@ -153,44 +172,23 @@ class _When:
         if target in values:
             raise self._symbols.flat.source.error(f"{target} is assigned twice in one when-clause", at)
 
-    def _sequential(self, actions: tuple[fm.Action, ...]) -> dict[str, SX]:
-        """Run the statements of an algorithm; a variable assigned there starts from its pre-value."""
-        state = {target: self._symbols.pre[target] for target in _targets(actions)}
-        self._run(actions, state)
-        return state
+    def _evaluator(self) -> Evaluator:
+        return Evaluator(self._symbols, Mode.SAMPLED, checks=self._checks)
 
-    def _run(self, actions: tuple[fm.Action, ...], state: dict[str, SX]) -> None:
-        for action in actions:
-            evaluate = Evaluator(self._symbols, Mode.SAMPLED, locals=dict(state))
-            if isinstance(action, fm.Assign):
-                value = evaluate(action.value)
-                if action.subscripts:
-                    node = Reference(action.target, action.subscripts, action.at)
-                    count = state[action.target].numel()
-                    numbers = ca.reshape(SX(ca.DM(list(range(count)))), *state[action.target].shape)
-                    chosen = Evaluator(self._symbols, Mode.SAMPLED, locals={action.target: numbers})(node)
-                    whole = SX(state[action.target])
-                    for position, index in enumerate(int(i) for i in ca.DM(chosen).full().ravel()):
-                        whole[index] = value[position if value.numel() > 1 else 0]
-                    value = whole
-                state[action.target] = value
-            elif isinstance(action, fm.Conditional):
-                outcomes = []
-                for condition, body in action.branches:
-                    branch = dict(state)
-                    self._run(body, branch)
-                    outcomes.append((evaluate(condition), branch))
-                otherwise = dict(state)
-                self._run(action.otherwise, otherwise)
-                for target in state:
-                    result = otherwise[target]
-                    for holds, branch in reversed(outcomes):
-                        if not ca.is_equal(branch[target], result, 1):
-                            result = ca.if_else(holds, branch[target], result)
-                    state[target] = result
+    def _sequential(self, actions: tuple[fm.Action, ...], active: SX) -> dict[str, SX]:
+        """Run the statements of an algorithm; a variable assigned there starts from its pre-value."""
+        state: dict[str, SX] = {}
+        for target in fm.targets(actions):
+            self._once({}, target, self._when.at)
+            state[target] = self._symbols.pre[target]
+
+        def effect(action: fm.Action, evaluate: Evaluate) -> None:
+            self._effect(action, evaluate, active if evaluate.path is None else ca.logic_and(active, evaluate.path))
+
+        return run(self._evaluator(), actions, state, effect)
 
     def _effects(self, actions: tuple[fm.Action, ...], active: SX) -> None:
-        evaluate = Evaluator(self._symbols, Mode.SAMPLED)
+        evaluate = self._evaluator()
         for action in actions:
             if isinstance(action, fm.Conditional):
                 rest = active
@@ -199,26 +197,30 @@ class _When:
                     self._effects(body, ca.logic_and(rest, holds))
                     rest = ca.logic_and(rest, ca.logic_not(holds))
                 self._effects(action.otherwise, rest)
-            elif isinstance(action, fm.Reinit):
-                if action.state not in self._system.unknowns:
-                    message = f"reinit({action.state}): not a continuous variable"
-                    raise self._symbols.flat.source.error(message, action.at)
-                self._system.reinits.append(Reinit(action.state, evaluate(action.value), active, action.at))
-            elif isinstance(action, fm.Assertion):
-                raise self._symbols.flat.source.error("assert inside when is not supported; move it out", action.at)
-            elif isinstance(action, fm.Terminate):
-                self._system.terminations.append((active, action.message))
+            else:
+                self._effect(action, evaluate, active)
 
+    def _effect(self, action: fm.Action, evaluate: Evaluate, active: SX) -> None:
+        """What reinit, assert and terminate ask for; ``active`` is the condition."""
+        if isinstance(action, fm.Reinit):
+            if action.state not in self._system.unknowns:
+                message = f"reinit({action.state}): not a continuous variable"
+                raise self._symbols.flat.source.error(message, action.at)
+            self._system.reinits.append(Reinit(action.state, evaluate(action.value), active, action.at))
+        elif isinstance(action, fm.Assertion):
+            check = Check(evaluate(action.condition), text(evaluate, action.message), action.is_error, action.at)
+            self._at_event(check, active)
+        elif isinstance(action, fm.Terminate):
+            self._system.terminations.append((active, text(evaluate, action.message)))
 
-def _targets(actions: tuple[fm.Action, ...]) -> list[str]:
-    found: dict[str, None] = {}
-    for action in actions:
-        if isinstance(action, fm.Assign):
-            found[action.target] = None
-        elif isinstance(action, fm.Conditional):
-            for body in (*(body for _, body in action.branches), action.otherwise):
-                found.update(dict.fromkeys(_targets(body)))
-    return list(found)
+    def _at_event(self, check: Check, active: SX) -> None:
+        """An assertion that counts only when ``active``: a Boolean keeps the outcome up to the next time."""
+        name = f"$violated{sum(n.startswith('$violated') for n in self._system.discretes) + 1}"
+        declare_held(self._symbols, name, "Boolean")
+        violated = ca.logic_not(check.condition)
+        self._extra.append(Assignment((name,), violated, active, f"{name}: {check.message}", check.at))
+        holds = ca.logic_not(self._symbols.values[name])
+        self._system.checks.append(Check(holds, check.message, check.is_error, check.at))
 
 
 def _equations(symbols: Symbols, assigned: set[str]) -> tuple[set[fm.Equation], list[Assignment]]:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import graphlib
+from dataclasses import replace
 
 import casadi as ca
 
+from cosim.dae.algorithms import initial_values, lower_algorithm, set_start, start_discretes
 from cosim.dae.discrete import lower_discrete, order_discrete
-from cosim.dae.evaluate import Evaluator, Mode, Symbols, element_names
+from cosim.dae.evaluate import Evaluator
 from cosim.dae.hybrid import SX, Check, Equation, HybridSystem, Parameter, Scalar
+from cosim.dae.symbols import Mode, Symbols, element_names
+from cosim.dae.texts import text
 from cosim.errors import InputError
-from cosim.modelica.expressions import Expression, Reference, children, render_equation
-from cosim.modelica.flat import FlatModel, Variable
+from cosim.modelica import flat as fm
+from cosim.modelica.expressions import Binary, Call, Expression, Reference, references, render_equation
+from cosim.modelica.flat import FlatModel, Variable, reads, targets
 from cosim.units import linear_map, parse
 
 
@@ -26,30 +31,68 @@ def lower(flat: FlatModel) -> HybridSystem:
     symbols = Symbols(flat, system)
     for variable in flat.variables.values():
         if variable.type == "String":
-            raise flat.source.error(f"{variable.name}: String variables are not supported yet", variable.at)
+            if variable.variability not in ("parameter", "constant"):
+                raise flat.source.error(
+                    f"{variable.name}: a String can be a parameter or constant, for messages; variables cannot",
+                    variable.at,
+                )
+            continue
         if len(variable.dimensions) > 2:
             raise flat.source.error(f"{variable.name}: arrays have at most two dimensions here", variable.at)
         _check_units(symbols, variable)
         _declare(symbols, variable)
     _parameters(symbols)
     _starts(symbols)
-    assignments, discrete = lower_discrete(symbols)
+    start_discretes(symbols)
+    computed = [lower_algorithm(symbols, algorithm) for algorithm in flat.algorithms]
+    assignments = [assignment for _, assigned in computed for assignment in assigned]
+    assignments, discrete = lower_discrete(symbols, assignments)
     continuous = Evaluator(symbols, Mode.CONTINUOUS)
     for equation in flat.equations:
         if equation in discrete:
             continue
-        text = render_equation(equation.residual)
+        shown = render_equation(equation.residual)
         residual = continuous(equation.residual)
-        system.equations += [Equation(r, text, equation.at) for r in ca.vertsplit(ca.vec(residual))]
+        system.equations += [Equation(r, shown, equation.at) for r in ca.vertsplit(ca.vec(residual))]
+    system.equations += [equation for equations, _ in computed for equation in equations]
     for equation in flat.initial_equations:
-        text = render_equation(equation.residual)
+        if _is_start(symbols, equation):
+            continue
+        shown = render_equation(equation.residual)
         residual = continuous(equation.residual)
-        system.initial_equations += [Equation(r, text, equation.at) for r in ca.vertsplit(ca.vec(residual))]
+        system.initial_equations += [Equation(r, shown, equation.at) for r in ca.vertsplit(ca.vec(residual))]
     checking = Evaluator(symbols, Mode.CONTINUOUS, no_event=True)
     for assertion in flat.assertions:
-        system.checks.append(Check(checking(assertion.condition), assertion.message, assertion.is_error, assertion.at))
+        message = text(checking, assertion.message)
+        system.checks.append(Check(checking(assertion.condition), message, assertion.is_error, assertion.at))
     order_discrete(symbols, assignments)
+    _freeze(symbols)
     return system
+
+
+def _is_start(symbols: Symbols, equation: fm.Equation) -> bool:
+    """Take an initial equation ``d = value`` or ``pre(d) = value`` of a discrete variable as its start value."""
+    residual = equation.residual
+    if not isinstance(residual, Binary) or residual.operator != "-":
+        return False
+    for side, other in ((residual.left, residual.right), (residual.right, residual.left)):
+        variable = side.arguments[0] if isinstance(side, Call) and side.function == "pre" else side
+        if isinstance(variable, Reference) and not variable.subscripts and variable.name in symbols.new:
+            set_start(symbols, variable.name, Evaluator(symbols, Mode.PARAMETER)(other))
+            return True
+    return False
+
+
+def _freeze(symbols: Symbols) -> None:
+    """Parameters that have decided the shape of something keep their value; what they follow from, too."""
+    parameters = symbols.system.parameters
+    frozen = set(symbols.structural)
+    for parameter in reversed(parameters):
+        if parameter.scalar.declaration.name in symbols.flat.structural or parameter.scalar.name in frozen:
+            frozen |= {parameter.scalar.name, *(s.name() for s in ca.symvar(parameter.value))}
+    symbols.system.parameters = [
+        replace(p, independent=p.independent and p.scalar.name not in frozen) for p in parameters
+    ]
 
 
 def _check_units(symbols: Symbols, variable: Variable) -> None:
@@ -91,11 +134,19 @@ def _parameters(symbols: Symbols) -> None:
     Constants are replaced by their values.
     """
     flat = symbols.flat
-    declared = {v.name: v for v in flat.variables.values() if v.variability in ("parameter", "constant")}
+    declared = {
+        v.name: v for v in flat.variables.values()
+        if v.variability in ("parameter", "constant") and v.type != "String"
+    }  # fmt: skip
+    computed = {name: a for a in flat.initial_algorithms for name in targets(a.statements)}
     uses: dict[str, set[str]] = {}
     expressions: dict[str, Expression] = {}
     for variable in declared.values():
         expression = variable.binding if variable.binding is not None else variable.start
+        if variable.name in computed:
+            used = set(reads(computed[variable.name].statements))
+            uses[variable.name] = {name for name in used if name in declared and name not in computed}
+            continue
         if variable.fixed is False:
             raise flat.source.error(
                 f"the parameter {variable.name} has fixed=false, but initial equations cannot find parameters here;"
@@ -105,7 +156,7 @@ def _parameters(symbols: Symbols) -> None:
         if expression is None:
             raise flat.source.error(f"the parameter {variable.name} has no value; give it one", variable.at)
         expressions[variable.name] = expression
-        uses[variable.name] = {name for name in _names(expression) if name in declared}
+        uses[variable.name] = {name for name in references(expression) if name in declared}
     constants = {name for name, v in declared.items() if v.variability == "constant"}
     try:
         order = list(graphlib.TopologicalSorter(uses).static_order())
@@ -117,7 +168,7 @@ def _parameters(symbols: Symbols) -> None:
     evaluate = Evaluator(symbols, Mode.PARAMETER)
     for name in order:
         variable = declared[name]
-        value = evaluate(expressions[name])
+        value = initial_values(symbols, computed[name])[name] if name in computed else evaluate(expressions[name])
         names = element_names(name, variable.dimensions)
         values = ca.vertsplit(ca.vec(value)) if names else []
         if len(values) == 1 and len(names) > 1:
@@ -128,7 +179,7 @@ def _parameters(symbols: Symbols) -> None:
             shape = symbols.values[name].shape
             symbols.values[name] = ca.reshape(ca.vertcat(*values), *shape)
             continue
-        independent = uses[name] <= constants and not variable.final
+        independent = uses[name] <= constants and not variable.final and name not in computed
         for element, element_value in zip(names, values, strict=True):
             symbols.system.parameters.append(Parameter(symbols.scalars[element], element_value, independent))
 
@@ -147,10 +198,3 @@ def _starts(symbols: Symbols) -> None:
         start = ca.vertsplit(ca.vec(evaluate(variable.start)))
         for position, name in enumerate(names):
             symbols.scalars[name].start = start[position if len(start) > 1 else 0]
-
-
-def _names(expression: Expression) -> set[str]:
-    found = {expression.name} if isinstance(expression, Reference) else set()
-    for child in children(expression):
-        found |= _names(child)
-    return found

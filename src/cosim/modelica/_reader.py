@@ -3,50 +3,35 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
+from cosim.modelica._completeness import completed
+from cosim.modelica._expressions import ExpressionReader, Tree, place, tag
+from cosim.modelica._statements import StatementReader
 from cosim.modelica.expressions import (
-    Array,
     Binary,
     Call,
-    Comprehension,
     Expression,
+    Field,
     If,
     Literal,
-    Range,
+    Output,
     Reference,
-    Unary,
+    UserCall,
     put_in,
 )
 from cosim.modelica.flat import (
-    Action,
-    Assertion,
-    Assign,
     Causality,
-    Conditional,
     Equation,
     FlatModel,
-    Reinit,
     StateSelect,
-    Terminate,
     Type,
     Variability,
     Variable,
     When,
+    targets,
 )
 from cosim.modelica.source import Source
-
-Tree = dict[str, Any]
-
-_BINARY = {
-    "Add": "+", "Sub": "-", "Mul": "*", "Div": "/", "Exp": "^",
-    "AddElem": ".+", "SubElem": ".-", "MulElem": ".*", "DivElem": "./", "ExpElem": ".^",
-    "Gt": ">", "Ge": ">=", "Lt": "<", "Le": "<=", "Eq": "==", "Neq": "<>", "And": "and", "Or": "or",
-}  # fmt: skip
-_UNARY = {"Minus": "-", "DotMinus": "-", "Plus": "+", "DotPlus": "+", "Not": "not"}
-_BUILTIN = {"NoEvent": "noEvent", "OuterProduct": "outerProduct"}
 
 
 def read(tree: Tree, model: str, source: Source) -> FlatModel:
@@ -55,24 +40,8 @@ def read(tree: Tree, model: str, source: Source) -> FlatModel:
     Raises:
         ModelError: something in the model is outside what is supported, by name and place.
     """
-    return _Reader(tree, source).model(model)
-
-
-def _tag(node: Any) -> tuple[str, Any]:  # noqa: ANN401 - JSON
-    """The variant and content of a serialised enumeration: ``"Empty"`` or ``{"Variant": content}``."""
-    if isinstance(node, str):
-        return node, None
-    ((tag, content),) = node.items()
-    return tag, content
-
-
-def _targets(actions: tuple[Action, ...]) -> Iterator[str]:
-    for action in actions:
-        if isinstance(action, Assign):
-            yield action.target
-        elif isinstance(action, Conditional):
-            for body in (*(body for _, body in action.branches), action.otherwise):
-                yield from _targets(body)
+    flat = _Reader(tree, source).model(model)
+    return completed(flat, frozenset(tree["structural_parameters"]), source.find_class(model))
 
 
 def _enumerations(ordinals: dict[str, int]) -> dict[str, tuple[str, ...]]:
@@ -96,37 +65,54 @@ class _Reader:
     def __init__(self, tree: Tree, source: Source) -> None:
         self._tree = tree
         self._source = source
+        self._expression = ExpressionReader(source, tree["derivative_marker"])
+        self._statement = StatementReader(source, self._expression)
         types = _enumerations(tree["enum_literal_ordinals"])
         self._ordinals = {f"{name}.{literal}": k for name, type_ in types.items() for k, literal in enumerate(type_, 1)}
         self._enumerations = dict(zip(sorted(tree["enumeration_type_roots"]), types.values(), strict=True))
         """Literals by rumoca's number of the type; numbers and names are both in the order of declaration."""
 
     def model(self, name: str) -> FlatModel:
-        tree = self._tree
-        for key, what in (
-            ("initial_structured_equations", "for-loops in initial equations"),
-            ("initial_assert_equations", "assert in initial equations"),
-            ("initial_algorithms", "initial algorithm"),
-        ):
-            if tree.get(key):
-                raise self._source.error(f"{what} are not supported yet", self._source.find_class(name))
-        whens = [self._when(chain) for chain in tree["when_chains"]]
-        for algorithm in tree["algorithms"]:
-            whens += self._algorithm(algorithm)
+        tree, statement = self._tree, self._statement
+        if tree["definite_roots"] or tree["potential_roots"] or tree["branches"]:
+            raise self._source.error(
+                "Connections.root, branch and potentialRoot are not supported: connectors may not be overconstrained;"
+                " give orientations by angles",
+                self._source.find("Connections"),
+            )
         variables = {key: self._variable(value) for key, value in tree["variables"].items()}
-        for target in {target for when in whens for _, actions in when.branches for target in _targets(actions)}:
+        whens = [statement.when(chain) for chain in tree["when_chains"]]
+        whens += [
+            When(((Call("initial", (), assertion.at), (assertion,)),), sequential=False, at=assertion.at)
+            for assertion in map(statement.assertion, tree["initial_assert_equations"])
+        ]
+        algorithms = []
+        for node in tree["algorithms"]:
+            statements, inside = statement.algorithm(node)
+            whens += inside
+            if statements.statements:
+                algorithms.append(statements)
+        for target in {target for when in whens for _, actions in when.branches for target in targets(actions)}:
             # a Real that is assigned in a when-clause is discrete, declared so or not (Modelica 4.5.1)
-            variables[target] = replace(variables[target], variability="discrete")
+            if target in variables:
+                variables[target] = replace(variables[target], variability="discrete")
         return FlatModel(
             name=name,
             source=self._source,
             description=tree["model_description"],
             variables=variables,
-            equations=(*self._bindings(variables), *self._equations()),
-            initial_equations=tuple(self._equation(node) for node in tree["initial_equations"]),
+            equations=(*self._bindings(variables), *self._equations("")),
+            initial_equations=tuple(self._equations("initial_")),
             whens=tuple(whens),
-            assertions=tuple(self._assertion(node) for node in tree["assert_equations"]),
+            assertions=tuple(statement.assertion(node) for node in tree["assert_equations"]),
             enumeration_values=self._ordinals,
+            algorithms=tuple(algorithms),
+            initial_algorithms=tuple(statement.initial_algorithm(node) for node in tree["initial_algorithms"]),
+            functions={
+                key: statement.function(node)
+                for key, node in tree["functions"].items()
+                if key != tree["derivative_marker"]
+            },
         )
 
     @staticmethod
@@ -138,29 +124,30 @@ class _Reader:
             if v.binding is not None and v.variability not in ("parameter", "constant") and v.causality != "input"
         ]
 
-    @staticmethod
-    def _at(node: Tree) -> int:
-        return int(node["span"]["start"]) if node.get("span") else 0
-
     def _variable(self, node: Tree) -> Variable:
         name: str = node["name"]
         at = int(node["source_span"]["start"])
         type_name: str = self._tree["variable_type_names"].get(name, "Real")
         kind, literals = self._type(node, type_name)
-        tag, _ = _tag(node["variability"])
+        declared, _ = tag(node["variability"])
         variability: Variability = "continuous"
-        if tag in ("Parameter", "Constant"):
-            variability = "parameter" if tag == "Parameter" else "constant"
-        elif tag == "Discrete" or kind != "Real":
+        if declared in ("Parameter", "Constant"):
+            variability = "parameter" if declared == "Parameter" else "constant"
+        elif declared == "Discrete" or kind != "Real":
             variability = "discrete"
         causality: Causality = "local"
-        tag, _ = _tag(node["causality"])
-        if "." not in name and tag in ("Input", "Output"):
-            causality = "input" if tag == "Input" else "output"
+        direction, _ = tag(node["causality"])
+        if "." not in name and direction in ("Input", "Output"):
+            causality = "input" if direction == "Input" else "output"
         select: StateSelect = str(node["state_select"]).lower()  # type: ignore[assignment]
         fixed = node["fixed"]
         if isinstance(fixed, list):
+            if any(fixed) and not all(fixed):
+                raise self._source.error(f"{name}: fixed must be the same for all elements of an array", at)
             fixed = all(fixed)
+        if node.get("stream"):
+            raise self._source.error(f"{name} is a stream variable; connectors with stream variables are not supported,"
+                                     " only potential and flow variables", at)  # fmt: skip
         return Variable(
             name=name,
             type=kind,
@@ -169,10 +156,10 @@ class _Reader:
             dimensions=tuple(node["dims"]),
             start=self._start(node),
             fixed=fixed,
-            binding=self._optional(node["binding"]),
-            minimum=self._optional(node["min"]),
-            maximum=self._optional(node["max"]),
-            nominal=self._optional(node["nominal"]),
+            binding=self._expression.optional(node["binding"]),
+            minimum=self._expression.optional(node["min"]),
+            maximum=self._expression.optional(node["max"]),
+            nominal=self._expression.optional(node["nominal"]),
             unit=node["unit"],
             display_unit=node["display_unit"],
             quantity=node["quantity"],
@@ -192,7 +179,9 @@ class _Reader:
             return base.capitalize(), ()
         literals = self._enumerations.get(effective["canonical_type"])
         if literals is None:
-            raise self._source.error(f"{node['name']}: variables of type {type_name} are not supported", self._at(node))
+            hint = "; use when sample(start, interval) and pre()" if type_name == "Clock" else ""
+            at = int(node["source_span"]["start"])
+            raise self._source.error(f"{node['name']}: variables of type {type_name} are not supported{hint}", at)
         return "Enumeration", literals
 
     def _start(self, node: Tree) -> Expression | None:
@@ -200,156 +189,79 @@ class _Reader:
         start = node["start"]
         if start is not None and "Literal" in start and start["Literal"].get("span") == node["source_span"]:
             return None
-        return self._optional(start)
+        return self._expression.optional(start)
 
-    def _optional(self, node: Tree | None) -> Expression | None:
-        return None if node is None else self.expression(node)
+    def _equations(self, kind: str) -> list[Equation]:
+        """The equations, with those that the flat tree gives only as the template of a for-loop put in their places.
 
-    def _equations(self) -> list[Equation]:
-        """The equations, with those that the flat tree gives only as the template of a for-loop put in their places."""
-        equations = [self._equation(node) for node in self._tree["equations"]]
-        for family in self._tree["structured_equations"]:
+        Args:
+            kind: empty, or ``initial_``.
+        """
+        nodes = self._tree[f"{kind}equations"]
+        residuals: list[Expression | None] = [None] * len(nodes)
+        for family in self._tree[f"{kind}structured_equations"]:
             if family["interiors_materialized"]:
                 continue
-            body = [self.expression(residual) for residual in family["template"]["body"]]
+            body = [self._expression(residual) for residual in family["template"]["body"]]
             binders = family["domain"]["binders"]
             ranges = [range(b["lower"], b["upper"] + (1 if b["step"] > 0 else -1), b["step"]) for b in binders]
             position = int(family["first_equation_index"])
             for point in itertools.product(*ranges):
-                indices = {b["display_name"]: Literal(k, self._at(family)) for b, k in zip(binders, point, strict=True)}
+                indices = {b["display_name"]: Literal(k, place(family)) for b, k in zip(binders, point, strict=True)}
                 for residual in body:
-                    equations[position] = replace(equations[position], residual=put_in(residual, indices))
+                    residuals[position] = put_in(residual, indices)
                     position += 1
-        return equations
+        found: list[Equation] = []
+        for node, known in zip(nodes, residuals, strict=True):
+            found += self._equation(node, known)
+        return found
 
-    def _equation(self, node: Tree) -> Equation:
-        tag, content = _tag(node["origin"])
-        origin = str(content.get("component", "")) if isinstance(content, dict) else ""
-        return Equation(self.expression(node["residual"]), f"{tag}:{origin}", self._at(node))
+    def _equation(self, node: Tree, residual: Expression | None) -> list[Equation]:
+        """One equation; one for each output or component where several are set equal at once."""
+        variant, content = tag(node["origin"])
+        origin = f"{variant}:{content.get('component', '') if isinstance(content, dict) else ''}"
+        at = place(node)
+        if residual is None:
+            sides = node["residual"].get("Binary")
+            if sides is not None and "Tuple" in sides["lhs"]:
+                return self._outputs(sides["lhs"]["Tuple"]["elements"], self._expression(sides["rhs"]), origin, at)
+            residual = self._expression(node["residual"])
+        if isinstance(residual, Binary) and residual.operator == "-":
+            for side in (residual.left, residual.right):
+                if isinstance(side, Reference) and side.name in self._tree["record_instances"]:
+                    return [
+                        Equation(Binary("-", component(residual.left, field), component(residual.right, field), at),
+                                 origin, at)
+                        for field in self._fields(side.name)
+                    ]  # fmt: skip
+        return [Equation(residual, origin, at)]
 
-    def _assertion(self, node: Tree) -> Assertion:
-        level = self._optional(node.get("level"))
-        message = self.expression(node["message"])
-        if not (isinstance(message, Literal) and isinstance(message.value, str)):
-            raise self._source.error("the message of assert must be a plain string", self._at(node))
-        is_error = not (isinstance(level, Reference) and level.name.endswith("warning"))
-        return Assertion(self.expression(node["condition"]), message.value, is_error, self._at(node))
+    def _outputs(self, left: list[Tree], call: Expression, origin: str, at: int) -> list[Equation]:
+        """The equations of ``(a, b) = function(...)``."""
+        if not isinstance(call, UserCall):
+            raise self._source.error("only a call of a function can be equal to a list of variables", at)
+        found: list[Equation] = []
+        for position, node in enumerate(left):
+            target, value = self._expression(node), Output(call, position, at)
+            if isinstance(target, Reference) and target.name in self._tree["record_instances"]:
+                for field in self._fields(target.name):
+                    found.append(
+                        Equation(Binary("-", component(target, field), Field(value, field, at), at), origin, at)
+                    )
+            else:
+                found.append(Equation(Binary("-", target, value, at), origin, at))
+        return found
 
-    def _when(self, chain: Tree) -> When:
-        branches = [chain["first"], *chain["else_when"]]
-        return When(
-            tuple((self.expression(b["condition"]), self._actions(b["equations"])) for b in branches),
-            sequential=False,
-            at=self._at(chain),
-        )
+    def _fields(self, record: str) -> list[str]:
+        return [name[len(record) + 1 :] for name in self._tree["variables"] if name.startswith(f"{record}.")]
 
-    def _action(self, node: Tree) -> Action:
-        tag, content = _tag(node)
-        at = self._at(content)
-        match tag:
-            case "Assign":
-                return Assign(content["target"], (), self.expression(content["value"]), at)
-            case "Reinit":
-                return Reinit(content["state"], self.expression(content["value"]), at)
-            case "Assert":
-                return self._assertion(content)
-            case "Terminate":
-                message = self.expression(content["message"])
-                return Terminate(str(message.value) if isinstance(message, Literal) else "terminate", at)
-            case "Conditional":
-                branches = ((self.expression(c), self._actions(body)) for c, body in content["branches"])
-                return Conditional(tuple(branches), self._actions(content.get("else_branch") or []), at)
-        raise self._source.error(f"{tag} is not supported inside when", at)
 
-    def _actions(self, nodes: list[Tree]) -> tuple[Action, ...]:
-        return tuple(self._action(node) for node in nodes)
-
-    def _algorithm(self, node: Tree) -> list[When]:
-        whens = []
-        for statement in node["statements"]:
-            tag, content = _tag(statement)
-            if tag != "When":
-                raise self._source.error(
-                    "algorithm sections may hold only when-statements so far; write this as an equation",
-                    self._at(content) if isinstance(content, dict) else self._at(node),
-                )
-            whens.append(
-                When(
-                    tuple((self.expression(b["cond"]), self._statements(b["stmts"])) for b in content["blocks"]),
-                    sequential=True,
-                    at=self._at(content) or self._at(node),
-                )
-            )
-        return whens
-
-    def _statements(self, nodes: list[Tree]) -> tuple[Action, ...]:
-        return tuple(self._statement(node) for node in nodes)
-
-    def _statement(self, node: Tree) -> Action:
-        tag, content = _tag(node)
-        at = self._at(content) if isinstance(content, dict) else 0
-        match tag:
-            case "Assignment":
-                parts = content["comp"]["parts"]
-                name = ".".join(part["ident"] for part in parts)
-                subscripts = tuple(self._subscript(s) for s in parts[-1]["subs"] or ())
-                return Assign(name, subscripts, self.expression(content["value"]), self._at(content["comp"]))
-            case "If":
-                return Conditional(
-                    tuple((self.expression(b["cond"]), self._statements(b["stmts"])) for b in content["cond_blocks"]),
-                    self._statements(content.get("else_block") or []),
-                    at,
-                )
-            case "Reinit":
-                return Reinit(content["state"], self.expression(content["value"]), at)
-        raise self._source.error(f"{tag.lower()} is not supported inside when-statements", at)
-
-    def _subscript(self, node: Tree) -> Expression | None:
-        tag, content = _tag(node)
-        match tag:
-            case "Index":
-                return Literal(int(content["value"]), 0)
-            case "Expr":
-                return self.expression(content["expr"])
-        return None
-
-    def expression(self, node: Tree) -> Expression:
-        tag, content = _tag(node)
-        at = self._at(content)
-        match tag:
-            case "Literal":
-                kind, value = _tag(content["value"])
-                if kind == "Boolean":
-                    return Literal(value in (True, "true", "True"), at)
-                return Literal(value, at)
-            case "VarRef":
-                subscripts = tuple(self._subscript(s) for s in content["subscripts"])
-                return Reference(content["name"]["name"], subscripts, at)
-            case "Binary":
-                left, right = self.expression(content["lhs"]), self.expression(content["rhs"])
-                return Binary(_BINARY[content["op"]], left, right, at)
-            case "Unary":
-                return Unary(_UNARY[content["op"]], self.expression(content["rhs"]), at)
-            case "If":
-                return If(
-                    tuple((self.expression(c), self.expression(v)) for c, v in content["branches"]),
-                    self.expression(content["else_branch"]),
-                    at,
-                )
-            case "BuiltinCall":
-                name = content["function"]
-                function = _BUILTIN.get(name, name[0].lower() + name[1:])
-                return Call(function, tuple(self.expression(a) for a in content["args"]), at)
-            case "Array":
-                return Array(tuple(self.expression(e) for e in content["elements"]), at)
-            case "Range":
-                step = self._optional(content["step"])
-                return Range(self.expression(content["start"]), step, self.expression(content["end"]), at)
-            case "ArrayComprehension" if len(content["indices"]) == 1 and not content.get("filter"):
-                (index,) = content["indices"]
-                domain = self.expression(index["range"])
-                return Comprehension(self.expression(content["expr"]), index["name"], domain, at)
-            case "FunctionCall":
-                name = content["name"]["name"]
-                raise self._source.error(f"calls of the function {name} are not supported yet", at)
-        raise self._source.error(f"{tag} expressions are not supported", at)
+def component(record: Expression, name: str) -> Expression:
+    """The component ``name`` of an expression that stands for a record."""
+    match record:
+        case Reference(subscripts=()):
+            return replace(record, name=f"{record.name}.{name}")
+        case If(branches=branches, otherwise=otherwise):
+            parts = tuple((condition, component(value, name)) for condition, value in branches)
+            return replace(record, branches=parts, otherwise=component(otherwise, name))
+    return Field(record, name, record.at)

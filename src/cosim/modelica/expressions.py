@@ -62,6 +62,33 @@ class Call:
 
 
 @dataclass(frozen=True)
+class UserCall:
+    """A call of one of the model's own functions, or of a record's constructor; no argument is left out."""
+
+    function: str
+    arguments: tuple[Expression, ...]
+    at: int
+
+
+@dataclass(frozen=True)
+class Output:
+    """One of the outputs of a function that has several, counted from 0."""
+
+    call: UserCall
+    position: int
+    at: int
+
+
+@dataclass(frozen=True)
+class Field:
+    """A component of what a function or constructor of records gives; ``name`` may be a path with dots."""
+
+    record: Expression
+    name: str
+    at: int
+
+
+@dataclass(frozen=True)
 class Array:
     """An array constructor ``{...}``."""
 
@@ -89,7 +116,9 @@ class Comprehension:
     at: int
 
 
-Expression = Literal | Reference | Unary | Binary | If | Call | Array | Range | Comprehension
+Expression = (
+    Literal | Reference | Unary | Binary | If | Call | UserCall | Output | Field | Array | Range | Comprehension
+)
 
 
 def children(expression: Expression) -> Iterator[Expression]:
@@ -107,8 +136,12 @@ def children(expression: Expression) -> Iterator[Expression]:
             for condition, value in branches:
                 yield from (condition, value)
             yield otherwise
-        case Call(arguments=arguments):
+        case Call(arguments=arguments) | UserCall(arguments=arguments):
             yield from arguments
+        case Output(call=call):
+            yield call
+        case Field(record=record):
+            yield record
         case Array(elements=elements):
             yield from elements
         case Range(start=start, step=step, end=end):
@@ -118,6 +151,14 @@ def children(expression: Expression) -> Iterator[Expression]:
             yield end
         case Comprehension(element=element, domain=domain):
             yield from (element, domain)
+
+
+def references(expression: Expression) -> Iterator[str]:
+    """The names of variables and literals in an expression, as often as they are there."""
+    if isinstance(expression, Reference):
+        yield expression.name
+    for child in children(expression):
+        yield from references(child)
 
 
 def put_in(expression: Expression, values: Mapping[str, Expression]) -> Expression:
@@ -137,8 +178,12 @@ def put_in(expression: Expression, values: Mapping[str, Expression]) -> Expressi
                 return replace(node, left=walk(left), right=walk(right))
             case If(branches=branches, otherwise=otherwise):
                 return replace(node, branches=tuple((walk(c), walk(v)) for c, v in branches), otherwise=walk(otherwise))
-            case Call(arguments=arguments):
+            case Call(arguments=arguments) | UserCall(arguments=arguments):
                 return replace(node, arguments=tuple(walk(a) for a in arguments))
+            case Output(call=call):
+                return replace(node, call=replace(call, arguments=tuple(walk(a) for a in call.arguments)))
+            case Field(record=record):
+                return replace(node, record=walk(record))
             case Array(elements=elements):
                 return replace(node, elements=tuple(walk(e) for e in elements))
             case Range(start=start, step=step, end=end):
@@ -186,8 +231,12 @@ def render(expression: Expression, above: int = 0) -> str:
             tests = " elseif ".join(f"{render(c)} then {render(v)}" for c, v in branches)
             text = f"if {tests} else {render(otherwise)}"
             return f"({text})" if above else text
-        case Call(function=function, arguments=arguments):
+        case Call(function=function, arguments=arguments) | UserCall(function=function, arguments=arguments):
             return f"{function}({', '.join(render(a) for a in arguments)})"
+        case Output(call=call, position=position):
+            return f"{render(call)}, output {position + 1}"
+        case Field(record=record, name=name):
+            return f"{render(record)}.{name}"
         case Array(elements=elements):
             return "{" + ", ".join(render(e) for e in elements) + "}"
         case Range(start=start, step=step, end=end):

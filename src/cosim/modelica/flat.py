@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Literal as OneOf
 
-from cosim.modelica.expressions import Expression
+from cosim.modelica.expressions import Expression, references
 from cosim.modelica.source import Source
 
 Type = OneOf["Real", "Integer", "Boolean", "Enumeration", "String"]
@@ -52,7 +53,7 @@ class Equation:
 
 @dataclass(frozen=True)
 class Assign:
-    """``target = value`` inside a when-clause or algorithm."""
+    """``target = value`` inside a when-clause, algorithm or function."""
 
     target: str
     subscripts: tuple[Expression | None, ...]
@@ -83,7 +84,7 @@ class Assertion:
     """``assert(condition, message, level)``."""
 
     condition: Expression
-    message: str
+    message: Expression
     is_error: bool
     at: int
 
@@ -92,11 +93,45 @@ class Assertion:
 class Terminate:
     """``terminate(message)``."""
 
-    message: str
+    message: Expression
     at: int
 
 
-Action = Assign | Reinit | Conditional | Assertion | Terminate
+@dataclass(frozen=True)
+class Assigns:
+    """``(a, b) := function(...)``; ``None`` is an output that is left out."""
+
+    targets: tuple[Assign | None, ...]
+    at: int
+
+
+@dataclass(frozen=True)
+class Loop:
+    """``for index in domain loop``."""
+
+    index: str
+    domain: Expression
+    body: tuple[Action, ...]
+    at: int
+
+
+@dataclass(frozen=True)
+class While:
+    """``while condition loop``."""
+
+    condition: Expression
+    body: tuple[Action, ...]
+    at: int
+
+
+@dataclass(frozen=True)
+class Return:
+    """``return``."""
+
+    at: int
+
+
+Action = Assign | Assigns | Reinit | Conditional | Loop | While | Return | Assertion | Terminate
 
 
 @dataclass(frozen=True)
@@ -109,6 +144,81 @@ class When:
 
     branches: tuple[tuple[Expression, tuple[Action, ...]], ...]
     sequential: bool
+    at: int
+
+
+def targets(actions: tuple[Action | When, ...]) -> Iterator[str]:
+    """The variables that are assigned somewhere in ``actions``."""
+    for action in actions:
+        if isinstance(action, Assign):
+            yield action.target
+        elif isinstance(action, Assigns):
+            yield from (target.target for target in action.targets if target is not None)
+        elif isinstance(action, Conditional):
+            for body in (*(body for _, body in action.branches), action.otherwise):
+                yield from targets(body)
+        elif isinstance(action, Loop | While):
+            yield from targets(action.body)
+        elif isinstance(action, When):
+            for _, body in action.branches:
+                yield from targets(body)
+
+
+def reads(actions: tuple[Action | When, ...]) -> Iterator[str]:
+    """The variables that are used somewhere in ``actions``."""
+    for action in actions:
+        match action:
+            case Assign(subscripts=subscripts, value=value):
+                yield from references(value)
+                yield from (name for s in subscripts if s is not None for name in references(s))
+            case Assigns(targets=assigned):
+                yield from reads(tuple(target for target in assigned if target is not None))
+            case Conditional(branches=branches, otherwise=otherwise):
+                yield from (name for condition, body in branches for name in (*references(condition), *reads(body)))
+                yield from reads(otherwise)
+            case When(branches=branches):
+                yield from (name for condition, body in branches for name in (*references(condition), *reads(body)))
+            case Loop(domain=expression, body=body) | While(condition=expression, body=body):
+                yield from (*references(expression), *reads(body))
+            case Reinit(value=value):
+                yield from references(value)
+            case Assertion(condition=condition):
+                yield from references(condition)
+
+
+@dataclass(frozen=True)
+class Local:
+    """An input, output or protected variable of a function."""
+
+    name: str
+    type: str
+    """Modelica's predefined type, or the full name of an enumeration or record."""
+    dimensions: tuple[Expression | None, ...]
+    """``None`` where the argument decides."""
+    value: Expression | None
+    """Default of an input, initial value of the others."""
+    at: int
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function of the model, or the constructor of a record, whose fields are the inputs."""
+
+    name: str
+    inputs: tuple[Local, ...]
+    """A record among them comes as its fields, ``r_x`` and so on."""
+    outputs: tuple[Local, ...]
+    locals: tuple[Local, ...]
+    body: tuple[Action, ...]
+    is_constructor: bool
+    at: int
+
+
+@dataclass(frozen=True)
+class Algorithm:
+    """The statements of an algorithm section."""
+
+    statements: tuple[Action, ...]
     at: int
 
 
@@ -126,3 +236,8 @@ class FlatModel:
     assertions: tuple[Assertion, ...]
     enumeration_values: dict[str, int]
     """Value of every enumeration literal by its full name."""
+    algorithms: tuple[Algorithm, ...] = ()
+    initial_algorithms: tuple[Algorithm, ...] = ()
+    functions: dict[str, Function] = field(default_factory=dict)
+    structural: frozenset[str] = frozenset()
+    """Parameters whose value has decided which equations or components there are, or how large an array is."""

@@ -15,12 +15,14 @@ from typing import Any
 
 from cosim.errors import BuildError, ModelError
 from cosim.modelica import _reader
+from cosim.modelica._explain import AT, explain, offset
+from cosim.modelica._scan import derivatives_of_expressions
 from cosim.modelica.flat import FlatModel
 from cosim.modelica.source import Source
 
 _FINAL = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\])*\"|\b(final)\b", re.DOTALL)
-_QUOTED = re.compile(r"[`']([A-Za-z_][\w.]*)(?:\[[^\]]*\])?[`']")
-_AT = re.compile(r"\s*\[[^\]\s]*:(\d+):(\d+)\]")
+_DERIVATIVE = re.compile(r"\bder\s*\((?![\w\s.,:\[\]]*\))")
+"""``der`` of more than a variable, perhaps in a comment."""
 _BALANCE = re.compile(r"unbalanced model: .*\(balance = (-?\d+)\)")
 _PANIC = re.compile(r'detail: "(.*?)", span: .*?start: BytePos\((\d+)\)', re.DOTALL)
 _PROBE = "CosimBalanceProbe"
@@ -49,7 +51,7 @@ def flatten(source: Source, model: str) -> FlatModel:
     except rumoca.RumocaError as error:
         unbalanced = _flatten_unbalanced(rumoca, source, model, str(error))
         if unbalanced is None:
-            raise _explain(source, model, str(error)) from None
+            raise explain(source, model, str(error)) from None
         return unbalanced
     if tree["is_partial"]:
         raise source.error(
@@ -63,13 +65,28 @@ def _tree(rumoca: Any, source: Source, text: str, model: str) -> dict[str, Any]:
 
     rumoca takes a ``final`` parameter for a constant and decides asserts and ifs with its default value, although it
     may follow from parameters that an importer sets. So it gets to see the equations without the keyword, and a second
-    time with it, for the flags alone.
+    time with it, for the flags alone. And it takes ``der`` of variables only; where it has an expression, a function
+    takes its place.
     """
-    plain = _FINAL.sub(lambda match: " " * len("final") if match.group(1) else match.group(), text)
+    named, marker = _derivatives_marked(text)
+    plain = _FINAL.sub(lambda match: " " * len("final") if match.group(1) else match.group(), named)
     tree = _load(rumoca, source, plain, model)
-    if plain != text:
-        tree["variable_final_flags"] = _load(rumoca, source, text, model)["variable_final_flags"]
+    tree["derivative_marker"] = marker
+    if plain != named:
+        tree["variable_final_flags"] = _load(rumoca, source, named, model)["variable_final_flags"]
     return tree
+
+
+def _derivatives_marked(text: str) -> tuple[str, str]:
+    """The text with a function of the same length in place of ``der`` of expressions, and the function's name."""
+    encoded = text.encode()
+    places = derivatives_of_expressions(encoded) if _DERIVATIVE.search(text) else []
+    if not places:
+        return text, ""
+    marker = next(name for name in ("Der", "dEr", "deR", "DEr", "DeR", "dER", "DER") if name not in text)
+    for at in places:
+        encoded = encoded[:at] + marker.encode() + encoded[at + len(marker) :]
+    return f"{encoded.decode()}\nfunction {marker} input Real u; output Real y; algorithm y := u; end {marker};", marker
 
 
 def _load(rumoca: Any, source: Source, text: str, model: str) -> dict[str, Any]:  # noqa: ANN401 - a module
@@ -77,6 +94,8 @@ def _load(rumoca: Any, source: Source, text: str, model: str) -> dict[str, Any]:
         with _silenced_stderr():
             compiled = rumoca.Session().loads(text, model=model, filename=source.files[0].name)
             tree: dict[str, Any] = compiled.to_dict("flat")
+            parameters = compiled.parameters
+            tree["structural_parameters"] = [n for n in parameters.names if parameters[n].kind == "structural"]
             return tree
     except rumoca.RumocaError:
         raise
@@ -104,7 +123,7 @@ def _flatten_unbalanced(rumoca: Any, source: Source, model: str, message: str) -
     text = f"{source.text}\nmodel {_PROBE} extends {model}; {added} end {_PROBE};"
     try:
         flat = _reader.read(_tree(rumoca, source, text, _PROBE), model, source)
-    except (rumoca.RumocaError, ModelError):
+    except rumoca.RumocaError:
         return None
     end = len(source.text.encode())
     return replace(
@@ -119,66 +138,13 @@ def _check_syntax(source: Source, rumoca: Any) -> None:  # noqa: ANN401 - a modu
         if diagnostic.level != "error":
             continue
         text = str(diagnostic.message)
-        at = _AT.search(text)
+        at = AT.search(text)
         found = re.search(r"×\s*(.+)", text)
         expected = re.search(r"help:\s*(.+?)(?:\n\n|\Z)", text, re.DOTALL)
         message = found.group(1).strip() if found else text.strip()
         if expected:
             message += "; " + re.sub(r"\s+", " ", expected.group(1)).strip()
-        offset = _offset(source, int(at.group(1)), int(at.group(2))) if at else None
-        raise source.error(message, offset)
-
-
-def _offset(source: Source, line: int, column: int) -> int:
-    lines = source.text.split("\n")
-    return len("\n".join(lines[: line - 1]).encode()) + (line > 1) + len(lines[line - 1][: column - 1].encode())
-
-
-_PLAINER = (
-    (r"^todae failed: ", ""),
-    (r"\S+ failed in \w+: ", ""),
-    (r"typecheck failed: ", ""),
-    (r"^could not be compiled: ", ""),
-    (r"unsupported Flat semantic owner `derivative expression`: .*",
-     "der() takes one plain variable here: declare a variable for the expression and differentiate that"),
-    (r"unbalanced model: (\d+) equations, (\d+) unknowns.*",
-     r"the model has \1 equation(s) for \2 unknown(s); add what is missing or remove what is too many"),
-    (r"invalid Appendix B discrete solved form: (`.*?`) participates in an? (internal )?current-value dependency cycle",
-     r"\1 needs its own new value to be computed; use pre() to break the ring"),
-    (r"invalid Appendix B discrete solved form: (`.*?`) has more than one semantic definition owner",
-     r"\1 is defined more than once"),
-    (r"unsupported Flat semantic owner `pre expression`: pre\((`.*?`)\) .*",
-     r"pre() of \1: a continuous variable has a value before the event only inside when"),
-    (r"canonical DAE construction rejected an invalid operation: expected a numeric expression, found (\w+)",
-     r"a value of type \1 stands where a number is expected"),
-    (r"canonical DAE construction rejected an invalid operation: expression shape mismatch",
-     "the two sides of an equation do not fit: arrays of different shapes, or a Real for an Integer"),
-    (r"reinit\(\) can only be applied to state variables: (\S+) is not a state",
-     r"reinit() of `\1`, which is not a state: only what stands in der() can be reinitialised"),
-    (r"(cyclic dependency in parameter binding for '.*?').*", r"\1: parameters depend on each other in a ring"),
-)  # fmt: skip
-"""What rumoca says in its own terms, and what it means."""
-
-
-def _explain(source: Source, model: str, text: str) -> ModelError:
-    """Put the place that rumoca's message leaves out in front of it, from the names it quotes."""
-    message = text.partition("\nRelated failures")[0].strip().removeprefix(f"{model} ")
-    for pattern, plainer in _PLAINER:
-        message = re.sub(pattern, plainer, message)
-    at = _AT.search(message)
-    if at is not None:
-        offset: int | None = _offset(source, int(at.group(1)), int(at.group(2)))
-        return source.error(f"{model}: {_AT.sub('', message)}", offset)
-    declared = source.find_class(model)
-    offset = declared
-    for name in _QUOTED.findall(message):
-        found = source.find(name.rpartition(".")[2], after=declared or 0)
-        if found is None:
-            found = source.find(name.rpartition(".")[2])
-        if found is not None:
-            offset = found
-            break
-    return source.error(f"{model}: {message}", offset)
+        raise source.error(message, offset(source, int(at.group(1)), int(at.group(2))) if at else None)
 
 
 @contextlib.contextmanager

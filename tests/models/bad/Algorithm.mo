@@ -1,8 +1,11 @@
-model Algorithm "An assignment in an algorithm outside when"
+model Algorithm "A while-loop whose turns depend on a variable"
   Real x(unit="1", start=1, fixed=true) "State";
-  Real y(unit="1") "Twice the state";
+  Real y(unit="1") "Next whole number";
 algorithm
-  y := 2*x;
+  y := 0;
+  while y < x loop
+    y := y + 1;
+  end while;
 equation
-  der(x) = -y;
+  der(x) = y;
 end Algorithm;
