@@ -20,7 +20,7 @@ from fmpy.fmi3 import fmi3LogMessageCallback
 HERE = Path(__file__).parent
 RUNTIME = HERE.parents[1] / "src" / "cosim" / "fmu" / "runtime"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
-SIZES = ("NX", "NZ", "NU", "NP", "ND", "NG", "NS", "NY", "NL", "NA", "NVARIABLES")
+SIZES = ("NX", "NZ", "NU", "NP", "ND", "NG", "NS", "NY", "NL", "NA", "NE", "NVARIABLES")
 TOKEN = "{sample}"
 KINDS: dict[str, Any] = {
     "Float64": c_double,

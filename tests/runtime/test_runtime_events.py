@@ -249,6 +249,7 @@ def test_terminate_ends_the_step() -> None:
     step = sample.step(2.0)
     assert step.terminate
     assert step.time == pytest.approx(0.5, abs=1e-12)
+    assert sample.log == ["At t = 0.5 s the model ends the simulation: The tank is half full."]
     # an early return that was not allowed is none: the flag to end and the last time say it all
     assert sample.step(0.1) == (False, True, False, step.time)
     sample.call("fmi3Terminate")

@@ -71,7 +71,8 @@ class _Generator:
         values = {
             "NX": len(dae.states), "NZ": len(dae.torn), "NU": len(dae.inputs), "NP": len(dae.parameters),
             "ND": len(dae.discretes), "NG": len(dae.relations), "NS": len(dae.clocks), "NY": len(layout.outputs),
-            "NL": len(layout.locals), "NA": len(dae.checks), "NVARIABLES": len(layout.slots),
+            "NL": len(layout.locals), "NA": len(dae.checks), "NE": len(dae.terminations),
+            "NVARIABLES": len(layout.slots),
         }  # fmt: skip
         values |= constraint_sizes(dae.constraints)
         values["ALL_CLOCKED"] = int(_all_clocked(dae))
@@ -144,6 +145,7 @@ class _Generator:
             *_table("char *const", "model_assertion_messages", "MODEL_NA", [_string(c.message) for c in dae.checks]),
             *_table("unsigned char", "model_assertion_is_error", "MODEL_NA",
                     [str(int(c.is_error)) for c in dae.checks]),
+            *_table("char *const", "model_termination_messages", "MODEL_NE", [_string(m) for _, m in dae.terminations]),
             *_table("unsigned char", "model_start_kept", "MODEL_NV", [str(int(k)) for k in dae.starts_kept]),
             *_table("char *const", "model_initial_texts", "MODEL_NV", [_string(t) for t in dae.initial_texts]),
         ]  # fmt: skip
@@ -215,8 +217,8 @@ class _Generator:
             compute = self._body(_DISCRETE, [("value", reset.value)])
             body += self._guarded(reset.guard, ["double value[1];", *compute, *value])
         body.append("int terminate = 0;")
-        for guard, _ in dae.terminations:
-            body += self._guarded(guard, ["terminate = 1;"])
+        for k, (guard, _) in enumerate(dae.terminations):
+            body += self._guarded(guard, [f"terminate = {k + 1};"])
         body.append("return terminate;")
         head = (
             "int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial,\n"

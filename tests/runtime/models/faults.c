@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT-0
- * sizes: NX=1 NP=1 ND=1 NG=3 NA=2 NVARIABLES=9
+ * sizes: NX=1 NP=1 ND=1 NG=3 NA=2 NE=1 NVARIABLES=9
  *
  * One model for each way to go wrong, chosen by the parameter `kind`.
  */
@@ -39,6 +39,7 @@ const unsigned char model_relation_strict[3] = {1, 1, 1};
 const char *const model_relation_texts[3] = {"tank.level > 0.5", "valve.open", "valve.shut"};
 const char *const model_assertion_messages[2] = {"The tank overflows.", "The tank is nearly full."};
 const unsigned char model_assertion_is_error[2] = {1, 0};
+const char *const model_termination_messages[1] = {"The tank is half full."};
 
 void model_start(const double *p, double *v, double *d)
 {

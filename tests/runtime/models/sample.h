@@ -135,6 +135,10 @@ int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS)
 }
 #endif
 
+#if MODEL_NE == 0
+const char *const model_termination_messages[1] = {""};
+#endif
+
 #ifndef SAMPLE_DISCRETE
 const char *const model_discrete_names[1] = {""};
 int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial, double *d_new,

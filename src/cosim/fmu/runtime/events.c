@@ -201,7 +201,7 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
             s->d[i] = d_new[i];
         }
         if (!changes) {
-            s->terminate |= terminate != 0;
+            if (terminate) s->terminate = terminate;
             return 1;
         }
     }
@@ -218,7 +218,8 @@ static int tick(Simulation *m, const double *fired)
     State *s = &m->s;
     double pre[MODEL_ROOM(MODEL_ND)], unused[MODEL_ROOM(MODEL_NX)];
     memcpy(pre, s->d, sizeof pre);
-    s->terminate |= model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, 0, s->d, unused) != 0;
+    int terminate = model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, 0, s->d, unused);
+    if (terminate) s->terminate = terminate;
     return are_numbers(m, s->d);
 }
 

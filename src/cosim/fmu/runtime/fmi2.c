@@ -155,7 +155,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
     Advance outcome = instance_run(m, currentCommunicationPoint + communicationStepSize, false);
     if (outcome == ADVANCE_FAILED) return (fmi2Status)instance_failed(m);
     if (!m->s.terminate) return fmi2OK;
-    if (m->log) m->log(m->log_context, LOG_DISCARD, "The model has called terminate(): it ends the simulation.");
+    simulation_log_termination(m, LOG_DISCARD);
     return fmi2Discard;
 }
 

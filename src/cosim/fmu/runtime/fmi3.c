@@ -132,6 +132,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
     double next = simulation_next_tick(m);
     *discreteStatesNeedUpdate = fmi3False;
     *terminateSimulation = m->s.terminate != 0;
+    if (m->s.terminate) simulation_log_termination(m, LOG_WARNING);
     *nominalsOfContinuousStatesChanged = fmi3False;
     *valuesOfContinuousStatesChanged = reinitialised != 0;
     *nextEventTimeDefined = isfinite(next);
@@ -155,6 +156,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     bool at_tick = outcome == ADVANCE_REACHED && i->event_mode_used && simulation_tick_is_due(m);
     *eventHandlingNeeded = outcome == ADVANCE_EVENT || at_tick;
     *terminateSimulation = s->terminate != 0;
+    if (s->terminate) simulation_log_termination(m, LOG_WARNING);
     *earlyReturn = i->early_return_allowed && outcome != ADVANCE_FAILED && s->t < to;
     *lastSuccessfulTime = s->t;
     return outcome == ADVANCE_FAILED ? (fmi3Status)instance_failed(m) : fmi3OK;

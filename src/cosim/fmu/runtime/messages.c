@@ -26,6 +26,15 @@ const char *simulation_changing_relations(const Simulation *m, char *text, size_
     return text;
 }
 
+void simulation_log_termination(Simulation *m, LogKind kind)
+{
+    if (!m->log || MODEL_NE == 0) return;
+    char text[1024];
+    snprintf(text, sizeof text, "At t = %.9g s the model ends the simulation: %s", m->s.t,
+             model_termination_messages[m->s.terminate - 1]);
+    m->log(m->log_context, kind, text);
+}
+
 int simulation_check_assertions(Simulation *m)
 {
     if (MODEL_NA == 0) return 1;

@@ -15,7 +15,7 @@
 #ifndef COSIM_MODEL_H
 #define COSIM_MODEL_H
 
-#include "model_sizes.h" /* MODEL_NX NZ NU NP ND NG NS NY NL NA NVARIABLES, MODEL_TOKEN, MODEL_NAME */
+#include "model_sizes.h" /* MODEL_NX NZ NU NP ND NG NS NY NL NA NE NVARIABLES, MODEL_TOKEN, MODEL_NAME */
 
 /* 1 if the model is discrete and nothing changes but when a sample clock ticks: one pass settles an event. */
 #ifndef MODEL_ALL_CLOCKED
@@ -92,6 +92,9 @@ extern const char *const model_relation_texts[MODEL_ROOM(MODEL_NG)];
 extern const char *const model_assertion_messages[MODEL_ROOM(MODEL_NA)];
 extern const unsigned char model_assertion_is_error[MODEL_ROOM(MODEL_NA)];
 
+/* What the model says when it calls terminate(). */
+extern const char *const model_termination_messages[MODEL_ROOM(MODEL_NE)];
+
 /* Equations of the initial system, in Modelica text, for messages. */
 extern const char *const model_initial_texts[MODEL_ROOM(MODEL_NV)];
 
@@ -147,7 +150,7 @@ int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS);
  * fired 1 for each sample clock that ticks in this pass
  * d_new the discrete variables: pre when called, then the new values
  * x_new the states: those of v when called, then with reinit() applied
- * Returns 1 if terminate() was called, else 0. */
+ * Returns k + 1 if terminate() was called with message k, else 0. */
 int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial, double *d_new,
                    double *x_new);
 

@@ -69,7 +69,7 @@ typedef struct {
     int inputs_wait;
     int initialised; /* v, d, c solve the initial equations for the present u, p, t */
     int event_due;   /* inputs have changed or a relation has: an event iteration must come before integrating on */
-    int terminate;   /* the model has called terminate() */
+    int terminate;   /* the model has called terminate(), with message terminate - 1 */
     unsigned char warned[MODEL_ROOM(MODEL_NA)];
 } State;
 
@@ -137,6 +137,7 @@ int simulation_blame_selection(Simulation *m, const double *v);
 /* After a step: whether the choice of states has stayed regular, as far as looked at; 0 with a message if not. */
 int simulation_check_selection(Simulation *m);
 int simulation_check_assertions(Simulation *m);
+void simulation_log_termination(Simulation *m, LogKind kind);
 void simulation_relations(const Simulation *m, double t, const double *v, double *g);
 int simulation_truth(const Simulation *m, int k, double g);
 int simulation_find_event(Simulation *m, double *theta);
