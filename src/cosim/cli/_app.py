@@ -153,3 +153,56 @@ def export(
             screen.say(text)
         for path in paths:
             screen.say(str(path))
+
+
+@app.command(name="linearize")
+def linearize_command(
+    file: Annotated[Path, typer.Argument(metavar="FILE.mo", help="Modelica file.", show_default=False)],
+    model: Annotated[str, typer.Argument(metavar="Package.Model", help="Full name of the model.", show_default=False)],
+    *,
+    at: Annotated[
+        str,
+        typer.Option(metavar="TIME|initial|steady", help="Operating point: a time such as '2.5 s', or one of these."),
+    ] = "initial",
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Set a parameter. Repeatable.")
+    ] = None,
+    inputs: Annotated[
+        list[str] | None, typer.Option("--input", metavar="NAME=VALUE", help="Set an input. Repeatable.")
+    ] = None,
+    outputs: Annotated[
+        list[str] | None,
+        typer.Option("--output", metavar="NAME", help="Take this variable as an output, not the model's. Repeatable."),
+    ] = None,
+    steady_except: Annotated[
+        list[str] | None,
+        typer.Option(metavar="STATE", help="Let this state, such as an angle, keep its value. Repeatable."),
+    ] = None,
+    settle: Annotated[
+        str | None, typer.Option(metavar="TIME", help="Simulate this long before the steady state is searched.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write Model_linear.json and Model_bode.png there.")
+    ] = None,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Linearize a Modelica model: A, B, C, D at an operating point, poles, and a Bode picture."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._linearize import linearize_model
+
+        with warned(screen) as found, screen.working(f"linearizing {model}"):
+            document = linearize_model(
+                file,
+                model,
+                screen,
+                at=at,
+                settings=settings or [],
+                inputs=inputs or [],
+                outputs=outputs or [],
+                steady_except=steady_except or [],
+                settle=settle,
+                out=out,
+            )
+        screen.document(document | {"warnings": found})

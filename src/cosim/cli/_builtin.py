@@ -54,7 +54,7 @@ def export_model(file: Path, model: str, out: Path, fmi: FmiChoice, *, strict_un
     """Compile a Modelica model into an FMU, or one of each FMI version, in the folder ``out``."""
     from cosim.fmu import export_all
 
-    _check_there(file)
+    check_there(file)
     paths: list[Path] = export_all(file, model, out, fmi=fmi, strict_units=strict_units)
     return paths
 
@@ -64,11 +64,12 @@ def explanation(file: Path, model: str) -> str:
     from cosim.dae import explain
     from cosim.fmu import compile_model
 
-    _check_there(file)
+    check_there(file)
     return explain(compile_model(file, model))
 
 
-def _check_there(path: Path) -> None:
+def check_there(path: Path) -> None:
+    """Raise `InputError` if there is no such Modelica file or folder."""
     if not path.exists():
         raise InputError("there is no such Modelica file or folder", file=path)
 

@@ -25,5 +25,6 @@ the unit 1. The column in a message is the cell's number in its row.
 from cosim.scenario._assemble import Locate, assemble
 from cosim.scenario._model import Column, Link, Scenario, ScenarioWarning, Setting
 from cosim.scenario._read import read
+from cosim.scenario._values import parameter_value
 
-__all__ = ["Column", "Link", "Locate", "Scenario", "ScenarioWarning", "Setting", "assemble", "read"]
+__all__ = ["Column", "Link", "Locate", "Scenario", "ScenarioWarning", "Setting", "assemble", "parameter_value", "read"]

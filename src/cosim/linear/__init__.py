@@ -1,0 +1,7 @@
+"""Linear models: A, B, C, D of a Modelica model at an operating point, from the exact derivatives of its equations."""
+
+from cosim.linear._bode import bode
+from cosim.linear._linearize import Linearizer, linearize
+from cosim.linear._system import LinearSystem, Pole, Signal
+
+__all__ = ["LinearSystem", "Linearizer", "Pole", "Signal", "bode", "linearize"]
