@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -24,6 +25,11 @@ rumoca = pytest.importorskip("rumoca")
         ("GearedInertias", 5, {"tau": 1.0}),
         ("SeriesInductors", 0.5, {"u": 10.0}),
         ("ParallelCapacitors", 1, {"u": 5.0}),
+        ("Atwood", 1, {}),
+        ("FourBar", 1, {"tau": 0.05}),
+        ("Cycloid", 2, {}),
+        ("IndexTwo", 3, {}),
+        ("LossyGear", 0.1, {"tau": -3.0}),
     ],
 )
 def test_a_small_model_moves_as_casadi_and_idas_say(
@@ -73,7 +79,45 @@ RUMOCA: dict[str, tuple[float, dict[str, float]]] = {
     "Momentum": (5, {}),
     "SteadyStart": (1, {"u": 12.0}),
     "Coupled": (3, {}),
+    "Lights": (5.01, {}),
+    "Atwood": (1, {}),
+    "Backlash": (2, {}),
+    "Brake": (4, {"tau": 0.0}),
+    "ChargeSharing": (0.5, {}),
+    "Chopper": (0.0101, {}),
+    "Chua": (8, {}),
+    "Collisions": (12, {}),
+    "Counter": (3, {}),
+    "Cycloid": (3, {}),
+    "Cyclotron": (3, {}),
+    "FourBar": (2, {"tau": 0.05}),
+    "GyratorMotor": (1, {"u": 12.0}),
+    "HeatModes": (0.5, {}),
+    "IndexThree": (2, {}),
+    "IndexTwo": (3, {}),
+    "Kepler": (7, {}),
+    "Logistic": (8, {}),
+    "LossyGear": (0.4, {"tau": 3.0}),
+    "LotkaVolterra": (10, {}),
+    "OperatingPoint": (1e-3, {"u": 12.0}),
+    "QuarterCar": (1, {"road": 0.05}),
+    "Resonance": (0.5, {}),
+    "RestingBall": (3, {}),
+    "RollingWheel": (1, {}),
+    "Schmitt": (0.5, {}),
+    "StickSlip": (3, {}),
+    "Thermostat": (5000, {}),
+    "Transformer": (1, {"u": 10.0}),
+    "TwoTanks": (3, {}),
 }
+
+
+def test_every_small_model_is_compared_with_rumocas_solver() -> None:
+    models = {file.stem for file in SMALL.glob("*.mo")} - {"package", "Parts"}
+    assert len(models) >= 36
+    assert set(RUMOCA) == models
+    table = re.findall(r"^\| ([A-Z]\w+) \|", (SMALL.parent / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert table == sorted(models), "tests/models/README.md has a row for each"
 
 
 def by_rumoca(name: str, stop: float, step: float, inputs: dict[str, float]) -> dict[str, np.ndarray]:

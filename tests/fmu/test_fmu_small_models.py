@@ -9,19 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from laws import G, linear
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm
 
 Simulate = Callable[..., Any]
-G = 9.81
-
-
-def linear(A: np.ndarray, b: np.ndarray, x0: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Solution of dx/dt = A x + b at the times, by the matrix exponential of the system with b as one more state."""
-    n = len(x0)
-    whole = np.zeros((n + 1, n + 1))
-    whole[:n, :n], whole[:n, n] = A, b
-    return np.array([(expm(whole * t) @ np.append(x0, 1.0))[:n] for t in times])
 
 
 def test_a_motor_winds_up_a_spring_as_its_linear_equations_say(simulate: Simulate) -> None:

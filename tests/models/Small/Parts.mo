@@ -13,6 +13,7 @@ package Parts "Connectors and components of the small models"
   type Velocity = Real(unit="m/s") "Velocity";
   type Acceleration = Real(unit="m/s2") "Acceleration";
   type Mass = Real(unit="kg", min=0) "Mass";
+  type Force = Real(unit="N") "Force";
   type Energy = Real(unit="J") "Energy";
   type Time = Real(unit="s") "Time";
 
@@ -78,6 +79,16 @@ package Parts "Connectors and components of the small models"
     v = if blocking then s*one_volt else 0;
     i = if blocking then 0 else s*one_ampere;
   end IdealDiode;
+
+  model Switch "Ideal switch: either no voltage or no current"
+    extends TwoPin;
+    Boolean closed "True while closed";
+  equation
+    0 = if closed then v*one_ampere else i*one_volt;
+  protected
+    constant Voltage one_volt = 1 "Unit of the voltage";
+    constant Current one_ampere = 1 "Unit of the current";
+  end Switch;
 
   connector Flange "Shaft end"
     Angle phi "Angle";
