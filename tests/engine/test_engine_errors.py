@@ -197,15 +197,22 @@ def test_parameters_that_cannot_be_set(
     assert refuse(System([Component("c", fmu(model, version), parameters)]), FmuError) == message
 
 
-def test_binaries_and_clocks_are_refused_by_name(fmu_path: Callable[[str, int], Path], tmp_path: Path) -> None:
-    edit = replacing("</ModelVariables>", '<Binary name="b" valueReference="40" causality="input"/></ModelVariables>')
+def test_clocks_are_refused_by_name(fmu_path: Callable[[str, int], Path], tmp_path: Path) -> None:
+    clock = '<Clock name="b" valueReference="40" causality="input" intervalVariability="triggered"/>'
+    edit = replacing("</ModelVariables>", f"{clock}</ModelVariables>")
     with Fmu.read(repack(fmu_path("sampler", 3), tmp_path / "x.fmu", edit)) as odd:
-        assert odd.left_out == {"b": "a Binary"}
+        assert odd.left_out == {"b": "a Clock"}
         system = System([Component("c", odd)], channels=[Channel(("c", "b"), [0.0], [1.0])])
-        assert refuse(system, FmuError) == "c.b: is a Binary; only single numbers and texts can be exchanged"
-        assert refuse(System([Component("c", odd, {"b": 1.0})]), FmuError) == (
-            "c.b: is a Binary; only single numbers and texts can be set"
-        )
+        assert refuse(system, FmuError) == "c.b: is a Clock; it cannot be exchanged"
+        assert refuse(System([Component("c", odd, {"b": 1.0})]), FmuError) == "c.b: is a Clock; it cannot be set"
+
+
+def test_a_binary_parameter_cannot_be_set(fmu_path: Callable[[str, int], Path], tmp_path: Path) -> None:
+    binary = '<Binary name="b" valueReference="40" causality="parameter" variability="fixed"/>'
+    edit = replacing("</ModelVariables>", f"{binary}</ModelVariables>")
+    with Fmu.read(repack(fmu_path("sampler", 3), tmp_path / "x.fmu", edit)) as odd:
+        message = "c.b: is a Binary; only numbers and texts can be set"
+        assert refuse(System([Component("c", odd, {"b": "00"})]), FmuError) == message
 
 
 def test_a_sample_period_of_nothing(fmu: Get) -> None:

@@ -232,7 +232,9 @@ def test_the_suite_is_clean_under_sanitizers(tmp_path: Path) -> None:
         "XDG_CACHE_HOME": str(tmp_path),
     }
     suite = [str(Path(__file__).parent / f"test_{name}.py") for name in ("engine_errors", "engine_instants", "jacobi")]
-    suite += [str(Path(__file__).parent / f"test_{name}.py") for name in ("types", "arrays", "texts", "equality")]
+    suite += [
+        str(Path(__file__).parent / f"test_{name}.py") for name in ("types", "arrays", "texts", "binaries", "equality")
+    ]
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *suite],
         check=False,

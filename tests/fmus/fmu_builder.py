@@ -34,6 +34,8 @@ class Described:
     unit: str | None = None
     depends: tuple[str, ...] | None = ()
     size: tuple[int, ...] = ()
+    media_type: str | None = None
+    most: int | None = None
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,18 @@ LABEL = Model(
         Described("set", 11, "output", "discrete", "Int32"),
     ),
 )
-MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL)}
+PARCEL = Model(
+    "parcel",
+    (
+        Described("u", 1, "input", "discrete", "Binary", start="00ff", size=(2,), most=60),
+        Described("y", 2, "output", "discrete", "Binary", size=(2,)),
+        Described("z", 3, "output", "discrete", "Binary", size=(2,), media_type="image/png"),
+        Described("sum", 10, "output", unit="m"),
+        Described("size", 11, "output", "discrete", "Int32"),
+        Described("set", 12, "output", "discrete", "Int32"),
+    ),
+)
+MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, PARCEL)}
 
 
 def build(model: Model, fmi: int, folder: Path) -> Path:
@@ -135,11 +148,10 @@ def build(model: Model, fmi: int, folder: Path) -> Path:
     library = folder / f"{name}{fmi}{fmpy.sharedLibraryExtension}"
     cc = shutil.which("cc") or shutil.which("gcc")
     compiler = [cc] if cc else [sys.executable, "-m", "ziglang", "cc"]
-    sources = [str(HERE / f"{name}.c"), str(HERE / "stubs.c")]
-    subprocess.run(
-        [*compiler, *_CFLAGS, f"-DFMI={fmi}", f"-I{FMI_HEADERS}", f"-I{HERE}", *sources, "-lm", "-o", str(library)],
-        check=True,
-    )
+    sources = [str(HERE / f"{name}.c"), str(HERE / "stubs.c"), "-lm"]
+    binary = ["-DBINARY"] if any(variable.type == "Binary" for variable in model.variables) else []
+    defined = [*binary, f"-DFMI={fmi}", f"-I{FMI_HEADERS}", f"-I{HERE}"]
+    subprocess.run([*compiler, *_CFLAGS, *defined, *sources, "-o", str(library)], check=True)
     platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
     path = folder / f"{name}{fmi}.fmu"
     with zipfile.ZipFile(path, "w") as archive:
@@ -177,10 +189,12 @@ def _description3(model: Model) -> str:
     lines = []
     for v in model.variables:
         declared = ' declaredType="Choice"' if v.type == "Enumeration" else ""
-        start = () if v.type == "String" else ("start",)
-        attributes = _attributes(v, "name", "causality", "variability", *start, "unit")
-        inner = f'<Start value="{v.start}"/>' if v.type == "String" and v.start else ""
-        inner += "".join(f'<Dimension start="{size}"/>' for size in v.size)
+        opaque = v.type in ("String", "Binary")
+        attributes = _attributes(v, "name", "causality", "variability", *(() if opaque else ("start",)), "unit")
+        attributes += f' mimeType="{v.media_type}"' if v.media_type else ""
+        attributes += f' maxSize="{v.most}"' if v.most else ""
+        inner = "".join(f'<Dimension start="{size}"/>' for size in v.size)
+        inner += f'<Start value="{v.start}"/>' * (v.size or (1,))[0] if opaque and v.start else ""
         lines.append(f'<{v.type} valueReference="{v.reference}" {attributes}{declared}>{inner}</{v.type}>')
     outputs, unknowns = [], []
     references = {v.name: str(v.reference) for v in model.variables}

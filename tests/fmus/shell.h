@@ -25,6 +25,10 @@
 typedef struct {
     double v[ROOM];
     char text[4][80]; /* the first value references may be texts */
+#ifdef BINARY
+    unsigned char binary[4][2][80]; /* or arrays of two Binary values */
+    size_t size[4][2];
+#endif
     double time;
     double next_event; /* infinite: none */
     bool terminate;
@@ -188,6 +192,28 @@ fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference vr[], size_t n
     for (size_t i = 0; i < n; i++) set_text(c, vr[i], value[i]);
     return n == nv ? fmi3OK : fmi3Error;
 }
+
+#ifdef BINARY
+fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n, size_t sizes[], fmi3Binary values[],
+                         size_t nv) {
+    for (size_t k = 0; k < 2 * n; k++) {
+        sizes[k] = ((Model *)c)->size[vr[k / 2]][k % 2];
+        values[k] = sizes[k] ? ((Model *)c)->binary[vr[k / 2]][k % 2] : NULL;
+    }
+    return 2 * n == nv ? fmi3OK : fmi3Error;
+}
+fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const size_t sizes[],
+                         const fmi3Binary values[], size_t nv) {
+    for (size_t k = 0; k < 2 * n; k++) {
+        Model *m = c;
+        if (sizes[k] > sizeof m->binary[0][0]) return fmi3Error;
+        memcpy(m->binary[vr[k / 2]][k % 2], values[k], sizes[k]);
+        m->size[vr[k / 2]][k % 2] = sizes[k];
+        m->v[vr[k / 2]] += k % 2;
+    }
+    return 2 * n == nv ? fmi3OK : fmi3Error;
+}
+#endif
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *needed, fmi3Boolean *terminate, fmi3Boolean *nominals,
                                     fmi3Boolean *states, fmi3Boolean *defined, fmi3Float64 *next) {

@@ -38,9 +38,11 @@ STUB(fmi2GetStringStatus)
 #else
 STUB(fmi3InstantiateModelExchange)
 STUB(fmi3InstantiateScheduledExecution)
+#ifndef BINARY
 STUB(fmi3GetBinary)
-STUB(fmi3GetClock)
 STUB(fmi3SetBinary)
+#endif
+STUB(fmi3GetClock)
 STUB(fmi3SetClock)
 STUB(fmi3GetNumberOfVariableDependencies)
 STUB(fmi3GetVariableDependencies)

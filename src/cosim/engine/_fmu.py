@@ -19,7 +19,7 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 from fmpy.model_description import ModelDescription
 
-from cosim.engine._variable import Variable, left_out, names_of, variables_of
+from cosim.engine._variable import Variable, binaries_of, left_out, names_of, variables_of
 from cosim.errors import FmuError
 
 _CAPABILITIES = (
@@ -45,7 +45,7 @@ class Fmu:
     """A Co-Simulation FMU (FMI 2.0 or 3.0), unpacked once into a temporary folder.
 
     ``path`` is the file, ``name`` the model's name, ``fmi_version`` "2.0" or "3.0", ``sha256`` the file's hash,
-    ``variables`` all scalar variables and elements of arrays by name, ``left_out`` what the others are ("a Binary"),
+    ``variables`` all scalar variables and elements of arrays by name, ``left_out`` what the others are ("a Clock"),
     ``capabilities`` the attributes of the CoSimulation element and ``platforms``, the folders with binaries.
 
     ``fmi_types`` holds each variable's type in the FMU ("Float64", "Int32", ...), ``dependencies`` the inputs that each
@@ -69,7 +69,9 @@ class Fmu:
     has_continuous_states: bool
     log_categories: tuple[str, ...]
 
-    def __init__(self, path: Path, description: ModelDescription, sha256: str, platforms: tuple[str, ...]) -> None:
+    def __init__(
+        self, path: Path, description: ModelDescription, xml: bytes, sha256: str, platforms: tuple[str, ...]
+    ) -> None:
         """Take over what ``read`` has found; users call ``read``."""
         self.path = path
         self.name = description.modelName
@@ -82,11 +84,12 @@ class Fmu:
         self.variables = {}
         self.fmi_types = {}
         self.left_out = {}
+        binaries = binaries_of(xml)
         for described in description.modelVariables:
             what = left_out(described)
             if what is not None:
                 self.left_out[described.name] = what
-            for variable in variables_of(described):
+            for variable in variables_of(described, binaries):
                 self.variables[variable.name] = variable
                 self.fmi_types[variable.name] = described.type
         self.dependencies = {
@@ -115,6 +118,7 @@ class Fmu:
             content = path.read_bytes()
             with zipfile.ZipFile(path) as archive:
                 names = archive.namelist()
+                xml = archive.read("modelDescription.xml") if "modelDescription.xml" in names else b""
         except OSError as error:
             raise FmuError(f"cannot be read: {error.strerror}; give the path of an .fmu file", file=path) from error
         except zipfile.BadZipFile as error:
@@ -140,7 +144,7 @@ class Fmu:
                 "export it for this platform",
                 file=path,
             )
-        fmu = cls(path, description, hashlib.sha256(content).hexdigest(), platforms)
+        fmu = cls(path, description, xml, hashlib.sha256(content).hexdigest(), platforms)
         wanted = (library.rsplit("/", 1)[0] + "/", "resources/", "modelDescription.xml")
         try:
             fmpy.extract(str(path), fmu._folder, include=lambda name: name.startswith(wanted))

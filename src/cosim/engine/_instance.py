@@ -101,18 +101,19 @@ class Instance(ABC):
     @abstractmethod
     def _bind_calls(self) -> None: ...
 
-    def access(self, verb: str, names: Sequence[str], address: int) -> Access:
+    def access(self, verb: str, names: Sequence[str], address: int, sizes: int | None = None) -> Access:
         """Bind the function that gets ("Get") or sets ("Set") variables of one FMI type; they lie at ``address``.
 
-        Of an array all elements have to be there, in a row.
+        Of an array all elements have to be there, in a row. Binary variables have their sizes at ``sizes``.
         """
         variables = [self.fmu.variables[name] for name in names]
         own = [v for v, last in zip(variables, [None, *variables], strict=False) if _has_own_reference(v, last)]
         references = [variable.value_reference for variable in own]
         function = f"{verb}{self.accessed_as(self.fmu.fmi_types[names[0]])}"
         referred = (c_uint * len(references))(*references)
-        sizes = [c_size_t(len(names))] if self.tells_size else []
-        call = self._bind(self.symbol(function), referred, c_size_t(len(references)), c_void_p(address), *sizes)
+        places = [c_void_p(address)] if sizes is None else [c_void_p(sizes), c_void_p(address)]
+        count = [c_size_t(len(names))] if self.tells_size else []
+        call = self._bind(self.symbol(function), referred, c_size_t(len(references)), *places, *count)
         return Access(call, function, referred, len(names), address)
 
     @abstractmethod

@@ -10,7 +10,7 @@ import functools
 import os
 import tempfile
 from contextlib import suppress
-from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_int64
+from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t
 from pathlib import Path
 
 from cosim.engine import _compilation
@@ -88,7 +88,7 @@ def _opened(path: Path) -> ctypes.CDLL:
     library = ctypes.CDLL(str(path))
     library.cosim_run.argtypes = [POINTER(Engine), c_double]
     library.cosim_run.restype = c_int
-    library.cosim_set_text.argtypes = [POINTER(Engine), c_int64, c_char_p]
+    library.cosim_set_text.argtypes = [POINTER(Engine), c_int64, c_char_p, c_size_t]
     library.cosim_set_text.restype = c_bool
     library.cosim_free_texts.argtypes = [POINTER(Engine)]
     library.cosim_free_texts.restype = None

@@ -43,7 +43,7 @@ def run_native(
     outcome = _UNFINISHED
     try:
         for slot, text in plan.texts.items():
-            library.cosim_set_text(byref(engine), slot, text)
+            library.cosim_set_text(byref(engine), slot, text, len(text))
         with DeferredInterrupt() as interrupt:
             while outcome == _UNFINISHED:
                 outcome = library.cosim_run(byref(engine), limit)
@@ -78,10 +78,12 @@ def _raise(tables: Tables, plan: Plan) -> None:
     group = tables.groups[failure.group]
     if failure.kind == _OUT_OF_RANGE and isinstance(group, InputGroup) and isinstance(group.buffer, array):
         raise participant.out_of_range(failure.value, group.buffer)
+    if failure.kind == _OUT_OF_RANGE:
+        raise participant.too_long(int(failure.value))
     if failure.kind == _CALL_FAILED:
         called = failure.function
         access = group.access if isinstance(group, InputGroup) else group.whole
         instance.check(_FUNCTIONS[called] if called < len(_FUNCTIONS) else access.function, failure.status)
     if failure.kind == _OUT_OF_MEMORY:
-        raise CallError(instance, "has put out a text for which there is no memory", "let it put out shorter texts")
+        raise CallError(instance, "has put out a text or Binary for which there is no memory", "let it put out less")
     raise CallError(instance, f"ended for a reason of the number {failure.kind}", "report this as a defect of cosim")

@@ -29,10 +29,12 @@ def _converted(component: Component, name: str, value: Value) -> Value:
     settable = {v.name for v in component.fmu.variables.values() if _is_settable(v)}
     if variable is None:
         if name in component.fmu.left_out:
-            raise FmuError(f"{full}: is {component.fmu.left_out[name]}; only single numbers and texts can be set")
+            raise FmuError(f"{full}: is {component.fmu.left_out[name]}; it cannot be set")
         raise FmuError(f"{full}: {component.fmu.name} has no parameter {name}{suggestion(name, sorted(settable))}")
     if name not in settable:
         raise FmuError(f"{full}: {_WHY.get(variable.causality, 'is no parameter; it cannot be set')}")
+    if variable.type == "Binary":
+        raise FmuError(f"{full}: is a Binary; only numbers and texts can be set")
     if variable.type == "String":
         if isinstance(value, str):
             return value

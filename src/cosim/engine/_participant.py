@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from array import array
-from ctypes import Array, c_char_p
+from collections.abc import Sequence
+from ctypes import Array, c_char_p, c_size_t, c_void_p, cast, string_at
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
 
@@ -25,8 +26,34 @@ from cosim.engine._system import SAME_INSTANT
 
 MOST_UPDATES = 100
 
-Buffer: TypeAlias = "array[Any] | Array[c_char_p] | None"
-"""Memory of an FMI call that does not use the doubles of the signals themselves: numbers or texts."""
+
+class Binaries:
+    """Memory of an FMI call for Binary variables: where each lies, and how many bytes it has.
+
+    ``limits`` are the most bytes that each may have.
+    """
+
+    def __init__(self, limits: Sequence[int]) -> None:
+        """Make room for as many as there are limits."""
+        self.limits = (c_size_t * len(limits))(*limits)
+        self.places = (c_void_p * len(limits))()
+        self.sizes = (c_size_t * len(limits))()
+        self._given: list[c_char_p] = []
+
+    def give(self, values: list[bytes]) -> None:
+        """Point to these values."""
+        self._given = [c_char_p(value) for value in values]
+        self.places[:] = [cast(value, c_void_p) for value in self._given]
+        self.sizes[:] = [len(value) for value in values]
+
+    def take(self, count: int) -> list[bytes]:
+        """Return copies of the first values, which the FMU owns."""
+        found = zip(self.places[:count], self.sizes[:count], strict=True)
+        return [string_at(place, size) if place else b"" for place, size in found]
+
+
+Buffer: TypeAlias = "array[Any] | Array[c_char_p] | Binaries | None"
+"""Memory of an FMI call that does not use the doubles of the signals themselves: numbers, texts or Binary."""
 
 
 class Wire(NamedTuple):
@@ -72,8 +99,8 @@ class Participant:
     ``due`` is the time [s] of its next event or sample (infinite for a continuous component), ``steps`` and ``events``
     count doStep calls and instants with an event. ``triggers`` are the wires from discrete sources: a change of one
     is an event for a component with event mode, even between its own events. ``stale`` tells that outputs which are
-    only recorded have not been read since the component was computed. The signal of a text counts how often the text
-    has changed; ``texts``, which all participants share, has the text itself.
+    only recorded have not been read since the component was computed. The signal of a text or a Binary counts how often
+    it has changed; ``texts``, which all participants share, has the bytes themselves.
     """
 
     instance: Instance
@@ -111,11 +138,28 @@ class Participant:
             if changed:
                 if isinstance(buffer, Array):
                     buffer[:] = [self.texts.get(wire.source, b"") for wire in wires]
+                elif isinstance(buffer, Binaries):
+                    self._give(buffer, wires)
                 elif buffer is not None:
                     self._convert(buffer, start)
                 status = access.call()
                 if status >= FAILED:
                     self.instance.check(access.function, status)
+
+    def _give(self, buffer: Binaries, wires: tuple[Wire, ...]) -> None:
+        values = [self.texts.get(wire.source, b"") for wire in wires]
+        for value, limit in zip(values, buffer.limits, strict=True):
+            if len(value) > limit:
+                raise self.too_long(len(value))
+        buffer.give(values)
+
+    def too_long(self, size: int) -> CallError:
+        """Return the error for a Binary that an input cannot take."""
+        return CallError(
+            self.instance,
+            f"cannot take a Binary of {size} bytes: its input is declared for fewer",
+            "connect a source that puts out less",
+        )
 
     def _convert(self, buffer: array[Any], start: int) -> None:
         for i, value in enumerate(self.inputs[start : start + len(buffer)]):
@@ -142,15 +186,16 @@ class Participant:
             if status >= FAILED:
                 self.instance.check(access.function, status)
             if isinstance(buffer, Array):
-                self._take_texts(buffer, start)
+                self._take([text or b"" for text in buffer[: access.length]], start)
+            elif isinstance(buffer, Binaries):
+                self._take(buffer.take(access.length), start)
             elif buffer is not None:
                 for i in range(access.length):
                     self.values[start + i] = buffer[i]
         self.stale = not recording
 
-    def _take_texts(self, buffer: Array[c_char_p], start: int) -> None:
-        for slot, text in enumerate(buffer, start):
-            given: bytes = text or b""
+    def _take(self, texts: list[bytes], start: int) -> None:
+        for slot, given in enumerate(texts, start):
             if given != self.texts.get(slot):
                 self.texts[slot] = given
                 self.values[slot] += 1.0

@@ -1,7 +1,8 @@
 """The flat tables that the loop runs over: one vector of signals, one of inputs, and groups of variables in them.
 
 Signals (``values``), in this order: the outputs of all components, the channels, the middles of linear channels, a
-zero, from which the elements of arrays that nothing drives take their start values, and the texts that drive something.
+zero, from which the elements of arrays that nothing drives take their start values, and the texts and Binary variables
+that drive something.
 The first ``recorded`` of them are the columns of the result. Each group of Float64 variables lies in one piece, so
 that the FMU reads and writes the doubles of these vectors themselves; other types go through a buffer. In a group of
 outputs those that drive something come first, so that between the rows of the result only they are read.
@@ -12,17 +13,17 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable
-from ctypes import addressof, c_char_p
+from ctypes import addressof, c_char_p, c_size_t
 from dataclasses import dataclass
 from typing import Any
 
 from cosim.engine._channels import Line, Schedule, first_value
 from cosim.engine._instance import Instance
 from cosim.engine._order import continuous_order, discrete_order
-from cosim.engine._participant import Buffer, InputGroup, OutputGroup, Participant, Wire
+from cosim.engine._participant import Binaries, Buffer, InputGroup, OutputGroup, Participant, Wire
 from cosim.engine._role import Role, period_of, role_of
 from cosim.engine._system import Channel, Component, System, dotted
-from cosim.engine._variable import Variable
+from cosim.engine._variable import OPAQUE, Variable
 
 
 @dataclass
@@ -115,7 +116,7 @@ def make_plan(
 
 
 def _recorded_outputs(component: Component) -> list[str]:
-    return [v.name for v in component.fmu.variables.values() if v.causality == "output" and v.type != "String"]
+    return [v.name for v in component.fmu.variables.values() if v.causality == "output" and v.type not in OPAQUE]
 
 
 def _by_type(component: Component, names: list[str]) -> dict[str, list[str]]:
@@ -126,9 +127,9 @@ def _by_type(component: Component, names: list[str]) -> dict[str, list[str]]:
 
 
 def _outputs(component: Component, taken: set[tuple[str, str]]) -> dict[str, list[str]]:
-    """Return the outputs that are read by FMI type, in each those first that drive something; texts only if they do."""
+    """Return the outputs that are read by FMI type, those first that drive something; no other texts."""
     texts = [
-        v.name for v in component.fmu.variables.values() if v.type == "String" and (component.name, v.name) in taken
+        v.name for v in component.fmu.variables.values() if v.type in OPAQUE and _is_taken(component, v.name, taken)
     ]
     names = _recorded_outputs(component) + texts
     return _by_type(component, sorted(names, key=lambda name: not _is_taken(component, name, taken)))
@@ -148,7 +149,7 @@ def _lay_out(system: System) -> tuple[dict[tuple[str, str], int], dict[str, int]
     taken = {connection.source for connection in system.connections}
     for component in system.components:
         for fmi_type, names in _outputs(component, taken).items():
-            for name in names if fmi_type != "String" else []:
+            for name in names if fmi_type not in OPAQUE else []:
                 signals[component.name, name] = len(signals)
     for channel in system.channels:
         signals[channel.target] = len(signals)
@@ -167,7 +168,9 @@ def _text_signals(system: System, first: int) -> dict[tuple[str, str], int]:
     ends = [
         (component.name, name)
         for component in system.components
-        for name in _outputs(component, taken).get("String", [])
+        for fmi_type, names in _outputs(component, taken).items()
+        if fmi_type in OPAQUE
+        for name in names
     ]
     return {end: slot for slot, end in enumerate(ends, first)}
 
@@ -237,8 +240,8 @@ def _input_groups(
     groups: list[InputGroup] = []
     for fmi_type, names in _by_type(component, driven).items():
         wires = tuple(Wire(target, *sources[component.name, name]) for target, name in enumerate(names, free))
-        buffer, address = _memory(instance, fmi_type, inputs, free, len(names))
-        access = instance.access("Set", names, address)
+        buffer, address = _memory(component, instance, names, inputs, free)
+        access = instance.access("Set", names, address, _sizes(buffer))
         groups.append(InputGroup(fmi_type, access, free, buffer, wires, tuple(names)))
         free += len(names)
     return tuple(groups)
@@ -254,24 +257,35 @@ def _output_groups(
     groups: list[OutputGroup] = []
     for fmi_type, names in _outputs(component, taken).items():
         start = signals[component.name, names[0]]
-        buffer, address = _memory(instance, fmi_type, values, start, len(names))
+        buffer, address = _memory(component, instance, names, values, start)
         connected_names = [name for name in names if _is_taken(component, name, taken)]
-        whole = instance.access("Get", names, address)
-        connected = instance.access("Get", connected_names, address) if connected_names else None
+        whole = instance.access("Get", names, address, _sizes(buffer))
+        connected = instance.access("Get", connected_names, address, _sizes(buffer)) if connected_names else None
         groups.append(OutputGroup(fmi_type, whole, connected, start, buffer))
     return tuple(groups)
 
 
-def _memory(instance: Instance, fmi_type: str, vector: array[float], start: int, count: int) -> tuple[Buffer, int]:
+def _memory(
+    component: Component, instance: Instance, names: list[str], vector: array[float], start: int
+) -> tuple[Buffer, int]:
     """Return the buffer and the address that a call uses: the vector itself for doubles."""
+    fmi_type, count = component.fmu.fmi_types[names[0]], len(names)
     if fmi_type == "String":
         texts = (c_char_p * count)()
         return texts, addressof(texts)
+    if fmi_type == "Binary":
+        kinds = [component.fmu.variables[name].binary for name in names]
+        binaries = Binaries([c_size_t(-1).value if kind is None or kind.most is None else kind.most for kind in kinds])
+        return binaries, addressof(binaries.places)
     code = instance.type_codes[fmi_type]
     if code == "d":
         return None, vector.buffer_info()[0] + start * vector.itemsize
     buffer: array[Any] = array(code, [0] * count)
     return buffer, buffer.buffer_info()[0]
+
+
+def _sizes(buffer: Buffer) -> int | None:
+    return addressof(buffer.sizes) if isinstance(buffer, Binaries) else None
 
 
 def _triggers(

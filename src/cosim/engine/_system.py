@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from cosim.engine._fmu import Fmu
-from cosim.engine._variable import Value, Variable
+from cosim.engine._variable import OPAQUE, Value, Variable
 from cosim.errors import FmuError, InputError
 
 SAME_INSTANT = 1e-9
@@ -20,6 +20,7 @@ _ACCEPTED = {
     "Enumeration": ("Enumeration", "Integer"),
     "Boolean": ("Boolean",),
     "String": ("String",),
+    "Binary": ("Binary",),
 }
 
 
@@ -85,6 +86,7 @@ class System:
             target = _find(by_name, connection.target, "input")
             _claim(driven, connection.target)
             _check_types(connection, source, target)
+        _check_whole_arrays(by_name, driven)
         for channel in self.channels:
             target = _find(by_name, channel.target, "input")
             _claim(driven, channel.target)
@@ -123,7 +125,7 @@ def _find(by_name: dict[str, Component], end: tuple[str, str], causality: str) -
     if variable is None:
         if variable_name in component.fmu.left_out:
             what = component.fmu.left_out[variable_name]
-            raise FmuError(f"{dotted(end)}: is {what}; only single numbers and texts can be exchanged")
+            raise FmuError(f"{dotted(end)}: is {what}; it cannot be exchanged")
         names = [v.name for v in component.fmu.variables.values() if v.causality == causality]
         raise FmuError(
             f"{dotted(end)}: {component.fmu.name} has no {causality} {variable_name}; its {causality}s are "
@@ -140,11 +142,28 @@ def _claim(driven: set[tuple[str, str]], target: tuple[str, str]) -> None:
     driven.add(target)
 
 
+def _check_whole_arrays(by_name: dict[str, Component], driven: set[tuple[str, str]]) -> None:
+    """Numbers of an array that nothing drives keep their start values; of a Binary there is none to give."""
+    for name, variable_name in driven:
+        variables = by_name[name].fmu.variables
+        array = variables[variable_name].array
+        if array is not None and variables[variable_name].type == "Binary":
+            idle = [v.name for v in variables.values() if v.array == array and (name, v.name) not in driven]
+            if idle:
+                missing = ", ".join(dotted((name, element)) for element in idle)
+                raise InputError(f"{name}.{array}: nothing drives {missing}; drive all elements of an array of Binary")
+
+
 def _check_types(connection: Connection, source: Variable, target: Variable) -> None:
     ends = f"{dotted(connection.source)} -> {dotted(connection.target)}"
     if source.type not in _ACCEPTED[target.type]:
         raise InputError(
             f"{ends}: a {source.type} cannot drive a {target.type}; it takes {' or '.join(_ACCEPTED[target.type])}"
+        )
+    if source.binary and target.binary and source.binary.media_type != target.binary.media_type:
+        raise InputError(
+            f"{ends}: the source is of the type {source.binary.media_type}, but the target takes "
+            f"{target.binary.media_type}; connect what agrees"
         )
     if target.type != "Real" and (connection.factor, connection.offset) != (1.0, 0.0):
         raise InputError(f"{ends}: factor and offset need a Real target, but it is a {target.type}; leave them out")
@@ -154,8 +173,8 @@ def _check_types(connection: Connection, source: Variable, target: Variable) -> 
 
 def _check_table(channel: Channel, target: Variable) -> None:
     name = dotted(channel.target)
-    if target.type == "String":
-        raise FmuError(f"channel {name}: is a String; a channel has numbers only")
+    if target.type in OPAQUE:
+        raise FmuError(f"channel {name}: is a {target.type}; a channel has numbers only")
     if not channel.times or len(channel.times) != len(channel.values):
         raise InputError(
             f"channel {name}: it has {len(channel.times)} times and {len(channel.values)} values; "

@@ -9,13 +9,13 @@ from typing import Any
 
 from cosim.engine._channels import Line, Schedule
 from cosim.engine._instance import Access
-from cosim.engine._participant import InputGroup, OutputGroup, Participant, Wire
+from cosim.engine._participant import Binaries, InputGroup, OutputGroup, Participant, Wire
 from cosim.engine._plan import Plan
 from cosim.engine._record import Record
 from cosim.engine._role import Role
 
 _TYPES = {code: number for number, code in enumerate("dfbBhHiIqQ")}
-_TEXT = 10
+_OPAQUE = {"String": 10, "Binary": 11}
 _ROLES = {Role.CONTINUOUS: 0, Role.EVENT: 1, Role.SAMPLED: 2}
 
 
@@ -29,7 +29,7 @@ class _Extent(Structure):
 
 class _Group(Structure):
     _fields_ = [
-        *((name, c_void_p) for name in ("access", "references", "memory", "doubles", "wires")),
+        *((name, c_void_p) for name in ("access", "references", "memory", "sizes", "limits", "doubles", "wires")),
         ("extents", 2 * _Extent),
         *((name, c_int32) for name in ("type", "number")),
     ]
@@ -67,7 +67,7 @@ class _Line(Structure):
 
 
 class _Text(Structure):
-    _fields_ = [("bytes", c_void_p), ("room", c_size_t)]
+    _fields_ = [("bytes", c_void_p), ("size", c_size_t), ("room", c_size_t)]
 
 
 class _Failure(Structure):
@@ -190,6 +190,7 @@ class Tables:
             access=participant.instance.pointer(group.access.function),
             references=addressof(group.access.references),
             memory=group.access.address,
+            **_binaries(group),
             doubles=self._inputs + 8 * group.start,
             wires=self._keep((_Wire * len(group.wires))(*map(_wire, group.wires))),
             extents=_extents(None, group.access),
@@ -203,6 +204,7 @@ class Tables:
             access=participant.instance.pointer(group.whole.function),
             references=addressof(group.whole.references),
             memory=group.whole.address,
+            **_binaries(group),
             doubles=self._values + 8 * group.start,
             extents=_extents(group.connected, group.whole),
             type=_type(participant, group),
@@ -224,9 +226,17 @@ class Tables:
 
 
 def _type(participant: Participant, group: InputGroup | OutputGroup) -> int:
-    if group.fmi_type == "String":
-        return _TEXT
+    if group.fmi_type in _OPAQUE:
+        return _OPAQUE[group.fmi_type]
     return _TYPES[participant.instance.type_codes[group.fmi_type]]
+
+
+def _binaries(group: InputGroup | OutputGroup) -> dict[str, int]:
+    """Return where the sizes of Binary variables lie, and their limits."""
+    buffer = group.buffer
+    if not isinstance(buffer, Binaries):
+        return {}
+    return {"sizes": addressof(buffer.sizes), "limits": addressof(buffer.limits)}
 
 
 def _counts(groups: Sequence[OutputGroup]) -> Array[c_int64]:

@@ -11,6 +11,7 @@ from cosim.engine._role import Role
 from cosim.engine._system import SAME_INSTANT, dotted
 
 _MOST_COMPUTATIONS = 50_000
+_MOST_BYTES = 60
 
 
 class Enough(Exception):  # noqa: N818
@@ -138,7 +139,11 @@ class Trace:
 
 def _value(participant: Participant, wire: Wire) -> float | str:
     text = participant.texts.get(wire.source)
-    return participant.inputs[wire.target] if text is None else f'"{text.decode(errors="replace")}"'
+    if text is None:
+        return participant.inputs[wire.target]
+    shown = text[:_MOST_BYTES].decode(errors="replace")
+    readable = len(text) <= _MOST_BYTES and shown.isprintable() and "\N{REPLACEMENT CHARACTER}" not in shown
+    return f'"{shown}"' if readable else f"{len(text)} byte{'s' * (len(text) != 1)}"
 
 
 @dataclass

@@ -4,19 +4,32 @@ from __future__ import annotations
 
 import itertools
 import math
+import xml.etree.ElementTree as ET
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from fmpy.model_description import ModelVariable
 
 Value = float | int | bool | str
 """A value of a variable: float for Real, int for Integer and Enumeration, bool for Boolean, str for String."""
 
+OPAQUE = ("String", "Binary")
+"""Types that are handed on as they are; they are no columns of a result."""
+
+
+class BinaryKind(NamedTuple):
+    """What is in a Binary, in the words of a MIME type, and how many bytes it may have; None if any number."""
+
+    media_type: str
+    most: int | None
+
 
 @dataclass(frozen=True)
 class Variable:
     """What the model description says of one scalar variable or one element of an array.
 
-    ``type`` is "Real", "Integer", "Boolean", "Enumeration" or "String", whatever the width in the FMU. ``unit`` is in
+    ``type`` is "Real", "Integer", "Boolean", "Enumeration", "String" or "Binary", whatever the width in the FMU;
+    ``binary`` says more of the last. ``unit`` is in
     FMI's grammar, None if the FMU gives none. ``literals`` holds the names of an enumeration, literal ``i`` (from 0)
     belonging to the value ``i + 1``; it is None for other types and for an enumeration that is numbered otherwise.
     ``array`` is the name of the array (FMI 3.0) that it is an element of; all elements have its value reference.
@@ -35,19 +48,20 @@ class Variable:
     array: str | None = None
     minimum: float | None = None
     maximum: float | None = None
+    binary: BinaryKind | None = None
 
 
 def type_of(fmi_type: str) -> str | None:
-    """Return the type of a variable for its FMI type ("Float64", "Int32", ...); None if it has none (Binary, Clock)."""
+    """Return the type of a variable for its FMI type ("Float64", "Int32", ...); None if it has none (Clock)."""
     if fmi_type in ("Real", "Float32", "Float64"):
         return "Real"
-    if fmi_type in ("Boolean", "Enumeration", "String"):
+    if fmi_type in ("Boolean", "Enumeration", *OPAQUE):
         return fmi_type
     return "Integer" if fmi_type.startswith(("Int", "UInt")) else None
 
 
 def left_out(described: ModelVariable) -> str | None:
-    """Return what a variable is that can neither be exchanged nor set ("a Binary", "a Clock"); None for the others."""
+    """Return what a variable is that can neither be exchanged nor set ("a Clock"); None for the others."""
     kind = type_of(described.type)
     if kind == "String" and described.shape:
         return "an array of String"
@@ -62,7 +76,21 @@ def names_of(described: ModelVariable) -> list[str]:
     return [f"{described.name}[{','.join(map(str, index))}]" for index in indices]
 
 
-def variables_of(described: ModelVariable) -> list[Variable]:
+def binaries_of(description: bytes) -> dict[str, BinaryKind]:
+    """Return the Binary variables of a modelDescription.xml by name; fmpy does not read what they hold."""
+    if b"<Binary" not in description:
+        return {}
+    found = ET.fromstring(description).iterfind("ModelVariables/Binary")
+    return {
+        element.get("name", ""): BinaryKind(
+            element.get("mimeType", "application/octet-stream"),
+            int(most) if (most := element.get("maxSize")) is not None else None,
+        )
+        for element in found
+    }
+
+
+def variables_of(described: ModelVariable, binaries: dict[str, BinaryKind]) -> list[Variable]:
     """Return the variable that fmpy read, or the elements of an array; none for what is left out."""
     kind = type_of(described.type)
     if kind is None or left_out(described):
@@ -70,7 +98,9 @@ def variables_of(described: ModelVariable) -> list[Variable]:
     declared = described.declaredType
     names = names_of(described)
     starts: list[str | None] = [described.start]
-    if described.shape and described.start is not None:
+    if kind == "Binary":
+        starts = [None]
+    elif described.shape and described.start is not None:
         starts = [*described.start.split()]
     if len(starts) == 1:
         starts *= len(names)
@@ -88,6 +118,7 @@ def variables_of(described: ModelVariable) -> list[Variable]:
             array=described.name if described.shape else None,
             minimum=_bound_of(kind, described.min, declared.min if declared else None),
             maximum=_bound_of(kind, described.max, declared.max if declared else None),
+            binary=binaries.get(described.name),
         )
         for name, start in zip(names, starts, strict=True)
     ]

@@ -42,6 +42,8 @@ def _parameter_value(text: str, name: str, variable: Variable) -> float | int | 
     match variable.type:
         case "String":
             return text
+        case "Binary":
+            raise InputError(f"'{name}' is a Binary; only numbers and texts can be set")
         case "Boolean":
             if text.lower() not in _BOOLEANS:
                 raise InputError(f"'{name}' is a Boolean, '{text}' is not; write 0 or 1")
@@ -73,8 +75,8 @@ def channel_values(path: Path, column: Column, name: str, variable: Variable) ->
         values = [_to_variable(value, unit, name, variable, found=found, remedy=remedy) for value in column.values]
         accepted = "a finite number"
     else:
-        if variable.type == "String":
-            raise InputError(f"{header}: '{name}' is a String; a column drives numbers only")
+        if variable.type in ("String", "Binary"):
+            raise InputError(f"{header}: '{name}' is a {variable.type}; a column drives numbers only")
         if column.unit is not None and (column.unit.exponents or column.unit.factor != 1):
             raise InputError(f"{header} is in {column.unit}, '{name}' is {variable.type}; write '{column.name} [1]'")
         if column.linear:

@@ -4,6 +4,7 @@
  */
 typedef Status (*Access2)(void *, const ValueReference *, size_t, void *);
 typedef Status (*Access3)(void *, const ValueReference *, size_t, void *, size_t);
+typedef Status (*AccessBinary)(void *, const ValueReference *, size_t, size_t *, void *, size_t);
 
 RARE bool refused(Engine *engine, const Component *component, const Group *group, Status status) {
     engine->failure.function = ACCESS;
@@ -14,33 +15,47 @@ RARE bool refused(Engine *engine, const Component *component, const Group *group
 
 OFTEN bool call(Engine *engine, const Component *component, const Group *group, const Extent *extent) {
     const size_t n = (size_t)extent->references, n_values = (size_t)extent->values;
+    void *const instance = component->instance;
+    const ValueReference *const references = group->references;
     const Status status =
-        component->fmi == 2
-            ? ((Access2)group->access)(component->instance, group->references, n, group->memory)
-            : ((Access3)group->access)(component->instance, group->references, n, group->memory, n_values);
+        component->fmi == 2 ? ((Access2)group->access)(instance, references, n, group->memory)
+        : group->type == BINARY
+            ? ((AccessBinary)group->access)(instance, references, n, group->sizes, group->memory, n_values)
+            : ((Access3)group->access)(instance, references, n, group->memory, n_values);
     return status < FAILED || refused(engine, component, group, status);
 }
 
 /* Fractions are cut off before the range is looked at, as int() does. The limits are written so that they are exact. */
-#define STORE(type, lowest, beyond)                                                            \
-    for (int64_t i = 0; i < group->extents[WHOLE].values; i++) {                                               \
-        const double whole = trunc(group->doubles[i]);                                         \
-        if (!(whole >= (lowest) && whole < (beyond))) return out_of_range(engine, component, group, i); \
-        ((type *)group->memory)[i] = (type)whole;                                              \
-    }                                                                                          \
+#define STORE(type, lowest, beyond)                                                                  \
+    for (int64_t i = 0; i < count; i++) {                                                            \
+        const double given = group->doubles[i], whole = trunc(given);                                \
+        if (!(whole >= (lowest) && whole < (beyond))) return does_not_fit(engine, component, group, given); \
+        ((type *)group->memory)[i] = (type)whole;                                                    \
+    }                                                                                                \
     return true
 
-RARE bool out_of_range(Engine *engine, const Component *component, const Group *group, int64_t i) {
+RARE bool does_not_fit(Engine *engine, const Component *component, const Group *group, double value) {
     engine->failure.group = group->number;
-    engine->failure.value = group->doubles[i];
+    engine->failure.value = value;
     return fail(engine, component, OUT_OF_RANGE);
 }
 
+static bool store_binaries(Engine *engine, const Component *component, const Group *group) {
+    for (int64_t i = 0; i < group->extents[WHOLE].values; i++) {
+        const Text *text = text_of(engine, group->wires[i].source);
+        if (text->size > group->limits[i]) return does_not_fit(engine, component, group, (double)text->size);
+        ((const char **)group->memory)[i] = text->bytes;
+        group->sizes[i] = text->size;
+    }
+    return true;
+}
+
 static bool store(Engine *engine, const Component *component, const Group *group) {
+    const int64_t count = group->extents[WHOLE].values;
     switch ((Type)group->type) {
         case FLOAT64: return true;
         case FLOAT32:
-            for (int64_t i = 0; i < group->extents[WHOLE].values; i++) ((float *)group->memory)[i] = (float)group->doubles[i];
+            for (int64_t i = 0; i < count; i++) ((float *)group->memory)[i] = (float)group->doubles[i];
             return true;
         case INT8: STORE(int8_t, -0x1p7, 0x1p7);
         case UINT8: STORE(uint8_t, 0.0, 0x1p8);
@@ -51,10 +66,11 @@ static bool store(Engine *engine, const Component *component, const Group *group
         case INT64: STORE(int64_t, -0x1p63, 0x1p63);
         case UINT64: STORE(uint64_t, 0.0, 0x1p64);
         case TEXT:
-            for (int64_t i = 0; i < group->extents[WHOLE].values; i++) {
-                ((const char **)group->memory)[i] = text_of(engine, group->wires[i].source);
+            for (int64_t i = 0; i < count; i++) {
+                ((const char **)group->memory)[i] = text_of(engine, group->wires[i].source)->bytes;
             }
             return true;
+        case BINARY: return store_binaries(engine, component, group);
     }
     return true;
 }
@@ -66,9 +82,9 @@ static bool store(Engine *engine, const Component *component, const Group *group
 static bool load_texts(Engine *engine, const Component *component, const Group *group, int64_t count) {
     const int64_t first = group->doubles - engine->values;
     for (int64_t i = 0; i < count; i++) {
-        if (!put_text(engine, first + i, ((const char *const *)group->memory)[i])) {
-            return fail(engine, component, OUT_OF_MEMORY);
-        }
+        const char *bytes = ((const char *const *)group->memory)[i];
+        const size_t size = group->type == BINARY ? group->sizes[i] : bytes ? strlen(bytes) : 0;
+        if (!put_text(engine, first + i, bytes, size)) return fail(engine, component, OUT_OF_MEMORY);
     }
     return true;
 }
@@ -85,7 +101,8 @@ static bool load(Engine *engine, const Component *component, const Group *group,
         case UINT32: LOAD(uint32_t);
         case INT64: LOAD(int64_t);
         case UINT64: LOAD(uint64_t);
-        case TEXT: return load_texts(engine, component, group, count);
+        case TEXT:
+        case BINARY: return load_texts(engine, component, group, count);
     }
     return true;
 }

@@ -35,7 +35,7 @@ typedef int Status; /* of FMI: OK, Warning, Discard, Error, Fatal, Pending */
 typedef void (*Function)(void);
 
 /* How a variable lies in the memory that an FMI function takes. */
-typedef enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, TEXT } Type;
+typedef enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, TEXT, BINARY } Type;
 
 /* target = factor * source + offset; the source is a signal, the target the input of the wire's place in its group. */
 typedef struct {
@@ -56,6 +56,8 @@ typedef struct {
     Function access;
     const ValueReference *references;
     void *memory;       /* what the FMU reads or fills: the doubles themselves if they are Float64 */
+    size_t *sizes;      /* of Binary variables, which lie where memory points to */
+    const size_t *limits; /* and how many bytes each may have */
     double *doubles;    /* the same variables in the tables of the engine */
     const Wire *wires;  /* one per variable; inputs only */
     Extent extents[2];  /* connected variables come first */
@@ -106,10 +108,10 @@ typedef struct {
     int64_t slot, middle;
 } Line;
 
-/* A text that a component has put out. Its signal counts how often it has changed. */
+/* A text or a Binary that a component has put out. Its signal counts how often it has changed. */
 typedef struct {
-    char *bytes; /* allocated here; null if it has never been read */
-    size_t room;
+    char *bytes; /* allocated here, and a zero behind them; null if it has never been read */
+    size_t size, room;
 } Text;
 
 typedef enum {
@@ -121,8 +123,8 @@ typedef enum {
     ANNOUNCES_THE_PAST,   /* as its next event */
     WITHOUT_END,          /* events of several components set each other off */
     NOT_A_NUMBER,
-    OUT_OF_RANGE,         /* `value` does not fit an integer input of `group` */
-    OUT_OF_MEMORY         /* for a text */
+    OUT_OF_RANGE,         /* `value` does not fit an integer input of `group`, or as many bytes no Binary one */
+    OUT_OF_MEMORY         /* for a text or a Binary */
 } FailureKind;
 
 typedef enum { DO_STEP, ENTER_EVENT_MODE, ENTER_STEP_MODE, UPDATE_DISCRETE_STATES, ACCESS } CalledFunction;

@@ -1,39 +1,42 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Texts: an FMU's own memory of one holds only until its next call, so they are copied.
+ * Texts and Binary values: an FMU's own memory of one holds only until its next call, so they are copied.
  */
 #include <stdlib.h>
 #include <string.h>
 
-static const char *text_of(const Engine *engine, int64_t slot) {
-    const char *bytes = engine->texts[slot - engine->first_text].bytes;
-    return bytes ? bytes : "";
+static const Text *text_of(const Engine *engine, int64_t slot) {
+    static const Text none = {"", 0, 0};
+    const Text *text = &engine->texts[slot - engine->first_text];
+    return text->bytes ? text : &none;
 }
 
-static bool keep(Text *text, const char *bytes) {
-    const size_t size = strlen(bytes) + 1;
-    if (size > text->room) {
-        char *grown = realloc(text->bytes, 2 * size);
+static bool keep(Text *text, const char *bytes, size_t size) {
+    if (size >= text->room) {
+        const size_t room = size < SIZE_MAX / 4 ? 2 * size + 16 : 0;
+        char *grown = room ? realloc(text->bytes, room) : NULL;
         if (!grown) return false;
         text->bytes = grown;
-        text->room = 2 * size;
+        text->room = room;
     }
     memcpy(text->bytes, bytes, size);
+    text->bytes[size] = '\0';
+    text->size = size;
     return true;
 }
 
 /* A new text of a signal counts if it differs; false if there is no memory for it. */
-static bool put_text(Engine *engine, int64_t slot, const char *bytes) {
+static bool put_text(Engine *engine, int64_t slot, const char *bytes, size_t size) {
     Text *text = &engine->texts[slot - engine->first_text];
-    const char *given = bytes ? bytes : "";
-    if (text->bytes && strcmp(text->bytes, given) == 0) return true;
+    if (!bytes) bytes = "", size = 0;
+    if (text->bytes && text->size == size && memcmp(text->bytes, bytes, size) == 0) return true;
     engine->values[slot] += 1.0;
-    return keep(text, given);
+    return keep(text, bytes, size);
 }
 
 /* The text that a signal has when the run begins. */
-EXPORT bool cosim_set_text(Engine *engine, int64_t slot, const char *bytes) {
-    return keep(&engine->texts[slot - engine->first_text], bytes);
+EXPORT bool cosim_set_text(Engine *engine, int64_t slot, const char *bytes, size_t size) {
+    return keep(&engine->texts[slot - engine->first_text], bytes, size);
 }
 
 EXPORT void cosim_free_texts(Engine *engine) {
