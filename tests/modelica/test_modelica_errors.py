@@ -36,8 +36,10 @@ MESSAGES = {
     " interval) and pre()",
     "ConnectInIf": "12:5: connect inside an if-equation is not supported; make one of the components"
     " conditional instead, as in: Component c if condition",
-    "ConnectedSources": "10:5: ConnectedSources is structurally singular: not enough equations for first.p.i,"
-    " second.p.i; too many equations in: first.p.v = first.u, second.p.v = second.u, first.p.v = second.p.v",
+    "ConnectedSources": "10:5: ConnectedSources is structurally singular: for first.p.i, second.p.i there is only 1"
+    " equation: 0 = first.p.i + second.p.i (ConnectedSources.mo:4); for first.p.v, second.p.v alone there are 3"
+    " equations: first.p.v = first.u (ConnectedSources.mo:10), second.p.v = second.u (ConnectedSources.mo:10),"
+    " first.p.v = second.p.v (ConnectedSources.mo:3)",
     "ConstrainedInput": "7:3: x ^ 3 = u: the derivative of the input u would be needed here; an input cannot"
     " prescribe what is a state of the model. Prescribe a force, torque or voltage instead, or pass the input"
     " through a filter",
@@ -47,7 +49,8 @@ MESSAGES = {
     "EndlessLoop": "2:12: EndlessLoop: `rounded` has a loop that the front end cannot follow: a while-loop,"
     " break, or for over the elements of an array; use for i in 1:n and if inside",
     "EqualReals": "1:7: EqualReals: equality comparison on Real values is not allowed outside functions (MLS §3.5)",
-    "EquationTooMany": "4:3: EquationTooMany has 2 equations for 1 unknown: too many equations in: der(x) = -x, x = 2",
+    "EquationTooMany": "4:3: EquationTooMany has 2 equations for 1 unknown: for x alone there are 2 equations:"
+    " der(x) = -x (EquationTooMany.mo:4), x = 2 (EquationTooMany.mo:5)",
     "ExternalFunction": "2:12: the function cubicRoot is external; functions in C or Fortran are not"
     " supported, only Modelica algorithms",
     "ExternalTable": "5:20: ExternalTable: `Table.t` is of type `Table`: variables of functions can be"
@@ -63,7 +66,8 @@ MESSAGES = {
     "InputDerivative": "5:10: y equals the input x, whose derivative would be needed; pass the input through a filter",
     "Message": '6:22: if loud then "LOW" else "low": a message can be made of literals, String parameters,'
     " String(x) and +",
-    "MissingEquation": "2:3: MissingEquation has 1 equation for 2 unknowns: not enough equations for x, force",
+    "MissingEquation": "2:3: MissingEquation has 1 equation for 2 unknowns: for x, force there is only 1"
+    " equation: der(x) = -x + force (MissingEquation.mo:5)",
     "NoUnit": f"2:3: x: 'grumble/s' is not a unit; {UNITS}",
     "NoValue": "2:13: the parameter k has no value; give it one",
     "OutOfRange": "5:16: OutOfRange: subscript 4 for `x` is out of bounds for dimension of size 3 (MLS §10.5.1)",
@@ -76,8 +80,9 @@ MESSAGES = {
     "ReinitAlgebraic": "3:8: ReinitAlgebraic: reinit() of `y`, which is not a state: only what stands in der()"
     " can be reinitialised",
     "Ring": "2:18: Ring: cyclic dependency in parameter binding for 'a': parameters depend on each other in a ring",
-    "Singular": "7:3: Singular is structurally singular: not enough equations for b, c; too many equations in:"
-    " der(x) = -x, a = 2 * x, a = 3 * x + 1",
+    "Singular": "7:3: Singular is structurally singular: for b, c there is only 1 equation: b + c = x (Singular.mo:10);"
+    " for x, a alone there are 3 equations: der(x) = -x (Singular.mo:7), a = 2 * x (Singular.mo:8), a = 3 * x + 1"
+    " (Singular.mo:9)",
     "SpatialDistribution": "5:12: SpatialDistribution: spatialDistribution is not supported: transport delays"
     " keep no past here; divide the length into cells, with an equation each",
     "StateMachine": "10:3: StateMachine: initialState is not supported: state machines of Modelica 3.3 do not"
@@ -88,8 +93,8 @@ MESSAGES = {
     "Terminal": "4:8: terminal() is not supported: an FMU is not told when a simulation ends",
     "Text": "3:3: name: a String can be a parameter or constant, for messages; variables cannot",
     "ThreeDimensions": "2:3: t: arrays have at most two dimensions here",
-    "TooManyStarts": "3:3: TooManyStarts: one initial condition too many: y = 2 (fixed start); as many are"
-    " possible as there are states: x. Take fixed=true or an initial equation away",
+    "TooManyStarts": "3:3: TooManyStarts: one initial condition too many: these 2 determine only x: x = 1 (fixed start)"
+    " (TooManyStarts.mo:2), y = 2 (fixed start) (TooManyStarts.mo:3). Take fixed=true or an initial equation away",
     "TwoStarts": "3:3: y and x are the same variable but have different fixed start values",
     "UnassignedDiscrete": "3:3: b is discrete, but no equation or when-clause gives it a value",
     "UndefinedLocal": "1:7: UndefinedLocal: a function uses a variable that has no value yet, or ends without"

@@ -11,10 +11,11 @@ from cosim.dae.chains import Chains, Node
 from cosim.dae.constraints import constraints_of
 from cosim.dae.dae import Dae, Published, Reset, Sizes, Unknown
 from cosim.dae.hybrid import SX, HybridSystem, Scalar
-from cosim.dae.index_reduction import Differentiated, check_structure, reduce_index
+from cosim.dae.index_reduction import Differentiated, reduce_index
 from cosim.dae.initialization import initial_system
 from cosim.dae.lower import lower
 from cosim.dae.state_selection import Selection, select_states
+from cosim.dae.structure import check_structure, deficient, singular
 from cosim.dae.symbolic import evaluate, substitute
 from cosim.dae.tearing import Solution, solve
 from cosim.modelica.flat import FlatModel
@@ -67,10 +68,12 @@ def _solve(differentiated: Differentiated, selection: Selection, parameters: dic
     residuals = [equation.residual for equation in differentiated.equations]
     solution = solve(residuals, unknowns, derivatives, parameters)
     if solution is None:
-        raise chains.system.source.error(
-            f"{chains.system.name}: with the states {', '.join(chains.label(n) for n in selection.states)} the other"
-            " variables cannot be computed; choose others with StateSelect"
-        )
+        column = {symbol.name(): j for j, symbol in enumerate(unknowns)}
+        incidence = [[column[s.name()] for s in ca.symvar(r) if s.name() in column] for r in residuals]
+        names = ", ".join(chains.label(node) for node in selection.states)
+        what = f"{chains.system.name}: the states {names} do not determine the rest, choose others with StateSelect"
+        labels = [chains.label(node) for node in selection.unknowns]
+        raise singular(what, chains, differentiated.equations, labels, deficient(incidence, len(unknowns)))
     return solution
 
 

@@ -13,7 +13,7 @@ import casadi as ca
 
 from cosim.dae.blocks import Incidence, triangular
 from cosim.dae.chains import Chains, Node
-from cosim.dae.hybrid import SX, Equation
+from cosim.dae.hybrid import SX
 from cosim.dae.index_reduction import Differentiated
 from cosim.dae.state_selection import Selection
 
@@ -47,7 +47,7 @@ def constraints_of(selection: Selection, system: Differentiated, resolve: Callab
     found: list[Constraints] = []
     seen: set[tuple[frozenset[str], frozenset[str]]] = set()
     for group in selection.groups:
-        origins = [_origin(system, e) for e in group.equations]
+        origins = [system.origin(e) for e in group.equations]
         nodes = [*group.dummies, *group.others]
         residuals = ca.vertcat(*(system.equations[e].residual for e in group.equations))
         jacobian = ca.jacobian(residuals, ca.vertcat(*(chains.symbol(node) for node in nodes)))
@@ -90,12 +90,6 @@ def _relevant(incidence: Incidence, changing: Incidence) -> list[tuple[list[int]
             kept.insert(0, (rows, columns))
             wanted |= {j for row in rows for j in incidence[row] if j < count}
     return kept
-
-
-def _origin(system: Differentiated, equation: int) -> Equation:
-    while equation in system.predecessor:
-        equation = system.predecessor[equation]
-    return system.equations[equation]
 
 
 def _states(chains: Chains, derivative: Node) -> str:

@@ -7,13 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import maximum_bipartite_matching
-
 from cosim.dae.chains import Chains, Node
 from cosim.dae.hybrid import Equation
-from cosim.errors import ModelError
+from cosim.dae.structure import Part, check_structure, singular
 
 _HIGHEST_ORDER = 8
 
@@ -36,6 +32,12 @@ class Differentiated:
         while equation in self.predecessor:
             equation, count = self.predecessor[equation], count + 1
         return count
+
+    def origin(self, equation: int) -> Equation:
+        """The given equation that this one is a derivative of, or is."""
+        while equation in self.predecessor:
+            equation = self.predecessor[equation]
+        return self.equations[equation]
 
     @property
     def index(self) -> int:
@@ -92,11 +94,19 @@ class _Pantelides:
                     return True
         return False
 
+    def _refuse(self) -> None:
+        chains, rows = self._chains, sorted(self._seen_equations)
+        nodes = chains.ordered({Node(node.base, 0) for node in self._seen_nodes})
+        parts: tuple[Part, Part] = (rows, list(range(len(nodes)))), ([], [])
+        labels = [chains.label(node) for node in nodes]
+        what = f"{chains.system.name} is structurally singular, however often its equations are differentiated"
+        raise singular(what, chains, self._result.equations, labels, parts)
+
     def _differentiate(self, equation: int) -> int:
         result = self._result
         for node in self._seen_nodes:
             if node.order >= _HIGHEST_ORDER:
-                raise _singular(self._chains, sorted(self._seen_equations), self._chains.ordered(self._seen_nodes))
+                self._refuse()
         for node in self._seen_nodes:
             self._highest[node.base] = node.order + 1
         for old in sorted(self._seen_equations):
@@ -108,68 +118,3 @@ class _Pantelides:
             self._chains.symbol(Node(node.base, node.order + 1))
             self._assigned[Node(node.base, node.order + 1)] = result.successor[self._assigned[node]]
         return result.successor[equation]
-
-
-def check_structure(chains: Chains) -> None:
-    """Refuse a system in which some variables have too few equations, naming them and those that have too many.
-
-    Raises:
-        ModelError: there is no way to pair equations and variables.
-    """
-    bases = list(chains.symbols)
-    column = {base: j for j, base in enumerate(bases)}
-    incidence = [sorted({column[n.base] for n in chains.nodes_in(e.residual)}) for e in chains.equations]
-    rows = [i for i, columns in enumerate(incidence) for _ in columns]
-    columns = [j for columns in incidence for j in columns]
-    shape = (len(chains.equations), len(bases))
-    if 0 in shape:
-        match = np.full(shape[0], -1)
-    else:
-        match = maximum_bipartite_matching(csr_matrix((np.ones(len(rows)), (rows, columns)), shape), perm_type="column")
-    unmatched_rows = [i for i in range(shape[0]) if match[i] < 0]
-    unmatched_columns = sorted(set(range(shape[1])) - {int(j) for j in match if j >= 0})
-    if not unmatched_rows and not unmatched_columns:
-        return
-    by_column = {int(j): i for i, j in enumerate(match) if j >= 0}
-    # over-determined part: from an equation too many, alternate equation -> variable -> the equation it is matched to
-    too_many, pending = set(unmatched_rows), list(unmatched_rows)
-    while pending:
-        for j in incidence[pending.pop()]:
-            if j in by_column and by_column[j] not in too_many:
-                too_many.add(by_column[j])
-                pending.append(by_column[j])
-    users = {j: [i for i, columns in enumerate(incidence) if j in columns] for j in range(shape[1])}
-    too_few, open_columns = set(unmatched_columns), list(unmatched_columns)
-    while open_columns:
-        for i in users[open_columns.pop()]:
-            j = int(match[i])
-            if j >= 0 and j not in too_few:
-                too_few.add(j)
-                open_columns.append(j)
-    raise _singular(chains, sorted(too_many), [Node(bases[j], 0) for j in sorted(too_few)])
-
-
-def _singular(chains: Chains, equations: list[int], nodes: list[Node]) -> ModelError:
-    parts = []
-    at = None
-    if nodes:
-        names = [chains.label(node) for node in nodes]
-        parts.append(f"not enough equations for {_some(names)}")
-        scalar = chains.system.unknowns.get(nodes[0].base)
-        at = scalar.declaration.at if scalar else None
-    if equations:
-        count = len(chains.equations)
-        texts = [chains.equations[e].text for e in equations if e < count]
-        parts.append(f"too many equations in: {_some(texts)}")
-        at = next((chains.equations[e].at for e in equations if e < count and chains.equations[e].at), at)
-    count, unknowns = len(chains.equations), len(chains.symbols)
-    what = "is structurally singular"
-    if count != unknowns:
-        what = f"has {count} equation{'s' * (count != 1)} for {unknowns} unknown{'s' * (unknowns != 1)}"
-    message = f"{chains.system.name} {what}: {'; '.join(parts)}"
-    return chains.system.source.error(message, at)
-
-
-def _some(texts: list[str], most: int = 6) -> str:
-    shown = ", ".join(texts[:most])
-    return shown + (f" and {len(texts) - most} more" if len(texts) > most else "")

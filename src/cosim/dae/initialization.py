@@ -7,6 +7,7 @@ import casadi as ca
 from cosim.dae.blocks import extend
 from cosim.dae.dae import Unknown
 from cosim.dae.hybrid import SX, HybridSystem
+from cosim.dae.structure import alternating, listed
 
 
 def initial_system(
@@ -44,11 +45,15 @@ def initial_system(
         if extend(incidence, len(unknowns), matched, row):
             taken.append(row)
         elif row < required:
-            _, text, at = conditions[row - len(torn)] if row >= len(torn) else (None, rows[row][1], 0)
+            conflict, columns = alternating(incidence, matched, row)
+            texts = listed([rows[r][1] for r in conflict])
+            names = listed([unknowns[j].name for j in columns])
+            why = (
+                f"these {len(conflict)} determine only {names}: {texts}" if columns else f"the equations decide {texts}"
+            )
             raise system.source.error(
-                f"{system.name}: one initial condition too many: {text}; as many are possible as there are states:"
-                f" {', '.join(u.name for u in states) or 'none'}. Take fixed=true or an initial equation away",
-                at,
+                f"{system.name}: one initial condition too many: {why}. Take fixed=true or an initial equation away",
+                conditions[row - len(torn)][2] if row >= len(torn) else None,
             )
     kept = {u.symbol.name() for u in states for row in taken if ca.is_equal(rows[row][0], u.symbol - u.start, 20)}
     return (

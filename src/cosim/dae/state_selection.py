@@ -15,6 +15,7 @@ import numpy.typing as npt
 from cosim.dae.chains import Chains, Node
 from cosim.dae.hybrid import SX
 from cosim.dae.index_reduction import Differentiated
+from cosim.dae.structure import listed, placed
 from cosim.dae.symbolic import evaluate
 
 _WISH = {"never": 0.0, "avoid": 1.0, "default": 2.0, "prefer": 4.0, "always": 5.0}
@@ -64,11 +65,12 @@ def select_states(system: Differentiated, values: dict[str, float]) -> Selection
         )
         chosen = _choose(jacobian, [_wish(chains, node) for node in candidates])
         if len(chosen) < len(group):
-            texts = "; ".join(dict.fromkeys(system.equations[e].text for e in group))
+            dependent = [system.origin(group[i]) for i in _dependent(jacobian)]
+            texts = listed([placed(chains.system.source, equation) for equation in dependent])
             raise chains.system.source.error(
-                f"{chains.system.name}: the constraints contradict or repeat each other at the start values, so no"
-                f" states can be chosen: {texts}",
-                system.equations[group[0]].at,
+                f"{chains.system.name}: these constraints contradict or repeat each other at the start values, so that"
+                f" no states can be chosen: {texts}",
+                dependent[0].at,
             )
         taken = chains.ordered(candidates[j] for j in chosen)
         dummies += taken
@@ -122,6 +124,18 @@ def _choose(jacobian: npt.NDArray[np.float64], wishes: list[float]) -> list[int]
             left = left - np.outer(direction, direction @ left)
             chosen.append(j)
     return chosen
+
+
+def _dependent(jacobian: npt.NDArray[np.float64]) -> list[int]:
+    """A smallest set of rows that are linearly dependent."""
+    size = np.linalg.norm(jacobian, axis=1, keepdims=True)
+    scaled = jacobian / np.where(size > 0, size, 1.0)
+    kept = list(range(len(scaled)))
+    for row in range(len(scaled)):
+        rest = [i for i in kept if i != row]
+        if np.linalg.matrix_rank(scaled[rest], _REGULAR) < len(rest):
+            kept = rest
+    return kept
 
 
 class _Point:
