@@ -17,7 +17,8 @@ pytest.importorskip("rumoca")
 
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "modelica" / "WiperDrive"
-SMALL = ROOT / "tests" / "models" / "Small"
+MODELS = ROOT / "tests" / "models"
+SMALL, STIFF = MODELS / "Small", MODELS / "Stiff"
 COMPLETE = re.compile(r"^(?:model|block) (\w+)", re.M)
 
 
@@ -57,13 +58,14 @@ def test_the_library_passes(name: str) -> None:
     assert check_units(flatten(Source.read(LIBRARY), f"WiperDrive.{name}")) == []
 
 
-@pytest.mark.parametrize("name", complete_models(SMALL))
-def test_the_small_models_pass(name: str) -> None:
-    assert check_units(flatten(Source.read(SMALL), name)) == []
+@pytest.mark.parametrize("name", complete_models(SMALL) + complete_models(STIFF))
+def test_the_models_of_the_tests_pass(name: str) -> None:
+    assert check_units(flatten(Source.read(MODELS / name.partition(".")[0]), name)) == []
 
 
-def test_a_model_without_units_has_no_mismatch() -> None:
-    assert check_units(flatten(Source.read(ROOT / "tests" / "models" / "Language.mo"), "Language")) == []
+@pytest.mark.parametrize("name", ["Language", "Algorithmic"])
+def test_a_model_without_units_has_no_mismatch(name: str) -> None:
+    assert check_units(flatten(Source.read(MODELS / f"{name}.mo"), name)) == []
 
 
 @pytest.mark.parametrize(
@@ -221,6 +223,60 @@ def test_all_of_a_model_are_reported_at_once_and_those_of_a_class_once(tmp_path:
         "19:9: a.F = a.c * a.x ^ 2: a.F is in N, but a.c * a.x ^ 2 is in N.m (in 3 instances)",
         "22:38: d.c = 3: d.c is in N/m, but 3 is in N",
         "24:34: h = m * 9.81: h is in m, but m * 9.81 is in N",
+    ]
+
+
+FUNCTIONS = """package P
+  type Length = Real(unit="m");
+  function force "Hooke's law, with mistakes inside"
+    input P.Length x "Stretch";
+    input Real c(unit="N/m") = 3;
+    input Real share;
+    output Real F(unit="N");
+  protected
+    Real z(unit="J");
+    Real p[2](each unit="m"), q(unit="s") = 1;
+  algorithm
+    z := c*x;
+    for i in 1:2 loop
+      p[i] := i*x;
+    end for;
+    if q > x then
+      q := p[1];
+    end if;
+    F := share*c*x;
+  end force;
+  model M
+    parameter Real T(unit="s") = 3;
+    P.Length x(start=1, fixed=true);
+    Real F(unit="N");
+    Real v(unit="m/s");
+    Real G(unit="s");
+  equation
+    der(x) = v;
+    v = P.force(v, share=1);
+    F = P.force(x, 2, x) + P.force(c=3, x=x, share=T);
+  algorithm
+    if v > x then
+      G := 2;
+    else
+      G := 3*x;
+    end if;
+  end M;
+end P;
+"""
+
+
+def test_functions_and_algorithms(tmp_path: Path) -> None:
+    found = [str(m).partition("M.mo:")[2] for m in mismatches(tmp_path, FUNCTIONS, "P.M")]
+    assert found == [
+        "12:10: z = c * x: z is in J, but c * x is in N",
+        "16:12: if q > x: q is in s, but x is in m",
+        "17:12: q = p[1]: q is in s, but p[1] is in m",
+        "29:9: v = P.force(v, 3, 1): v is in m/s, but P.force(v, 3, 1) is in N",
+        "29:17: v = P.force(v, 3, 1): the argument v of P.force() is in m/s, but the input x is in m",
+        "32:12: if v > x: v is in m/s, but x is in m",
+        "35:12: G = 3 * x: G is in s, but 3 * x is in m",
     ]
 
 

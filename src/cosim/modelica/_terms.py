@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cosim.modelica._constants import FoldedConstants
+from cosim.modelica._declared_units import DeclaredUnits
 from cosim.modelica.expressions import (
     Array,
     Binary,
     Call,
     Comprehension,
     Expression,
+    Field,
     If,
     Literal,
+    Output,
     Range,
     Reference,
     Unary,
+    UserCall,
     children,
     render,
 )
-from cosim.modelica.flat import FlatModel, Variable
+from cosim.modelica.flat import FlatModel, Function, Variable
 from cosim.modelica.quantity import (
     NUMBER,
     OPAQUE,
@@ -33,8 +36,7 @@ from cosim.modelica.quantity import (
     Powers,
     Quantity,
     declared,
-    is_angular,
-    is_frequency,
+    difference,
     write,
 )
 
@@ -70,13 +72,15 @@ class Terms:
     def __init__(self, flat: FlatModel) -> None:
         """Read the declared units; variables without are open if an equation may settle their unit."""
         self._flat = flat
-        self._folded = FoldedConstants(flat.source)
+        self._units = DeclaredUnits(flat.source)
         self._quantities: dict[str, Quantity] = {}
         self._reasons: dict[str, str] = {}
         self.open: set[str] = set()
         self.solved: dict[str, Powers] = {}
         """What the expressions looked at say about open variables."""
         self.findings: list[Finding] = []
+        self.scope: Mapping[str, Quantity] = {}
+        """Variables of a function and indices of loops, which hide those of the model."""
         for variable in flat.variables.values():
             self._quantities[variable.name] = self._declared(variable)
 
@@ -128,7 +132,7 @@ class Terms:
         self._solve(b, a)
         if a.free or b.free or not a.known or not b.known:
             return True
-        problem = _difference(a, b, points=points)
+        problem = difference(a, b, points=points)
         if problem is None:
             return True
         text = f"{render(left)} is in {a}, but {render(right)} is in {b}{problem}{self._why(a, b)}"
@@ -163,6 +167,29 @@ class Terms:
     def _found(self, node: Expression, q: Quantity, problem: str) -> None:
         self.findings.append(Finding(problem + self._why(q), str(q), node.at))
 
+    # functions of the model
+
+    def own(self, function: Function) -> dict[str, Quantity]:
+        """The variables of a function with their declared units; without a unit they fit any."""
+        variables = (*function.inputs, *function.outputs, *function.locals)
+        return {variable.name: self._units.local(variable) for variable in variables}
+
+    def _user_call(self, node: UserCall, position: int) -> Quantity:
+        quantities = [self.quantity(argument) for argument in node.arguments]
+        function = self._flat.functions.get(node.function)
+        if function is None or function.is_constructor or position >= len(function.outputs):
+            return UNKNOWN
+        for argument, given, declared_input in zip(node.arguments, quantities, function.inputs, strict=False):
+            wanted = self._units.local(declared_input)
+            self._solve(given, wanted)
+            if given.free or not given.known or wanted.free or not wanted.known:
+                continue
+            problem = difference(given, wanted, points=True)
+            if problem is not None:
+                text = f"the argument {render(argument)} of {function.name}() is in {given}, but"
+                self._found(argument, given, f"{text} the input {declared_input.name} is in {wanted}{problem}")
+        return self._units.local(function.outputs[position])
+
     # expressions
 
     def quantity(self, node: Expression) -> Quantity:
@@ -171,18 +198,18 @@ class Terms:
             case Literal(value=bool()) | Literal(value=str()):
                 return UNKNOWN
             case Literal():
-                return self._folded(node) or NUMBER
+                return self._units.constant(node) or NUMBER
             case Reference(name="time"):
                 return TIME
             case Reference(name=name):
                 for child in children(node):
                     self.quantity(child)
-                return self._quantities.get(name, UNKNOWN)
+                return self.scope[name] if name in self.scope else self._quantities.get(name, UNKNOWN)
             case Unary(operator=operator, operand=operand):
-                inner = self._folded(node) or self.quantity(operand)
+                inner = self._units.constant(node) or self.quantity(operand)
                 return UNKNOWN if operator == "not" else inner
             case Binary():
-                return self._folded(node) or self._binary(node)
+                return self._units.constant(node) or self._binary(node)
             case If(branches=branches, otherwise=otherwise):
                 for condition, _ in branches:
                     self.quantity(condition)
@@ -194,14 +221,17 @@ class Terms:
             case Range():
                 return NUMBER
             case Comprehension(element=element, index=index):
-                hidden = self._quantities.get(index)
-                self._quantities[index] = NUMBER
+                outside, self.scope = self.scope, {**self.scope, index: NUMBER}
                 result = self.quantity(element)
-                if hidden is None:
-                    del self._quantities[index]
-                else:
-                    self._quantities[index] = hidden
+                self.scope = outside
                 return result
+            case UserCall():
+                return self._user_call(node, 0)
+            case Output(call=call, position=position):
+                return self._user_call(call, position)
+            case Field(record=record):
+                self.quantity(record)
+                return UNKNOWN
         return UNKNOWN
 
     def _all_alike(self, nodes: list[Expression]) -> Quantity:
@@ -219,7 +249,7 @@ class Terms:
         """An array that is a factor or an argument: its elements may have different units, of which none is its own."""
         quantities = [self.quantity(element) for element in elements]
         fixed = [q for q in quantities if q.known and not q.free]
-        if not fixed or any(_difference(fixed[0], q, points=True) for q in fixed):
+        if not fixed or any(difference(fixed[0], q, points=True) for q in fixed):
             return NUMBER if all(q.free for q in quantities) else UNKNOWN
         return fixed[0] if all(q.known for q in quantities) else UNKNOWN
 
@@ -352,24 +382,6 @@ def _alternatives(node: Expression) -> list[Expression]:
         case Call(function="noEvent", arguments=(argument,)):
             return [argument]
     return []
-
-
-def _difference(a: Quantity, b: Quantity, *, points: bool) -> str | None:
-    """None if two known quantities fit; else what to add to their units in the message."""
-    if a.powers != b.powers:
-        return ""
-    if a.text and b.text:
-        for one, other in ((a.text, b.text), (b.text, a.text)):
-            if is_angular(one) and is_frequency(other):
-                return ": a factor of 2*pi is missing"
-    if a.factor is None or b.factor is None:
-        return None
-    ratio = max(a.factor / b.factor, b.factor / a.factor)
-    if not math.isclose(ratio, 1.0, rel_tol=1e-9):
-        return f": a factor of {ratio:.6g} is missing"
-    if points and a.offset is not None and b.offset is not None and a.offset != b.offset:
-        return f": their zeros differ by {abs(a.offset - b.offset) / a.factor:g} {a}"
-    return None
 
 
 def _spread(nodes: tuple[Expression, ...]) -> list[Expression]:

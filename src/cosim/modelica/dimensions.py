@@ -5,14 +5,29 @@ The rule is written down in docs/units.md; the algebra of units is in ``quantity
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cosim.errors import ModelError
 from cosim.modelica._terms import Finding, Terms
 from cosim.modelica.expressions import Binary, Expression, Reference, render, render_equation
-from cosim.modelica.flat import Action, Assertion, Assign, Conditional, FlatModel, Reinit, Variable, When
+from cosim.modelica.flat import (
+    Action,
+    Assertion,
+    Assign,
+    Assigns,
+    Conditional,
+    FlatModel,
+    Function,
+    Loop,
+    Reinit,
+    Variable,
+    When,
+    While,
+)
+from cosim.modelica.quantity import NUMBER, Quantity
 
+Scope = Mapping[str, Quantity]
 _LONGEST = 160
 """Characters of an equation that a message shows."""
 
@@ -47,7 +62,7 @@ def check_units(flat: FlatModel) -> list[UnitMismatch]:
     terms = Terms(flat)
     _infer(flat, terms)
     findings: dict[tuple[int, str], list[tuple[str, Finding]]] = {}
-    for text, at, visit in _everything(flat, terms):
+    for text, at, visit in _Everything(flat, terms):
         terms.findings.clear()
         visit()
         for finding in dict.fromkeys(terms.findings):
@@ -82,75 +97,110 @@ REMEDY = (
 class _Visit:
     """One equation or clause, to be looked at once or, while units are inferred, several times."""
 
-    def __init__(self, terms: Terms, *pairs: tuple[Expression, Expression] | Expression) -> None:
+    def __init__(self, terms: Terms, scope: Scope, pairs: Sequence[tuple[Expression, Expression] | Expression]) -> None:
         self._terms = terms
+        self._scope = scope
         self._pairs = pairs
 
     def __call__(self) -> None:
+        self._terms.scope = self._scope
         for pair in self._pairs:
             if isinstance(pair, tuple):
                 self._terms.same(*pair)
             else:
                 self._terms.quantity(pair)
+        self._terms.scope = {}
 
 
-def _everything(flat: FlatModel, terms: Terms) -> Iterator[tuple[str, int, _Visit]]:
-    """Text, place and check of everything in the model that has units."""
-    for variable in flat.variables.values():
-        yield from _declaration(terms, variable)
-    for equation in (*flat.equations, *flat.initial_equations):
-        yield render_equation(equation.residual), equation.at, _Visit(terms, _sides(equation.residual))
-    for when in flat.whens:
-        yield from _when(terms, when)
-    for assertion in flat.assertions:
-        yield from _action(terms, assertion)
+_Item = tuple[str, int, _Visit]
+
+
+class _Everything:
+    """Everything in a model that has units: text, place and check of each."""
+
+    def __init__(self, flat: FlatModel, terms: Terms) -> None:
+        self._flat = flat
+        self._terms = terms
+        self._scope: Scope = {}
+
+    def __iter__(self) -> Iterator[_Item]:
+        flat = self._flat
+        for variable in flat.variables.values():
+            yield from self._declaration(variable)
+        for equation in (*flat.equations, *flat.initial_equations):
+            yield self._item(render_equation(equation.residual), equation.at, _sides(equation.residual))
+        yield from self._actions((*flat.whens, *flat.assertions))
+        for algorithm in (*flat.algorithms, *flat.initial_algorithms):
+            yield from self._actions(algorithm.statements)
+        # a function is there under each name by which it is called
+        for function in {function.at: function for function in flat.functions.values()}.values():
+            yield from self._function(function)
+
+    def _item(self, text: str, at: int, *pairs: tuple[Expression, Expression] | Expression) -> _Item:
+        return text, at, _Visit(self._terms, self._scope, pairs)
+
+    def _declaration(self, variable: Variable) -> Iterator[_Item]:
+        name = Reference(variable.name, (), variable.at)
+        known = variable.variability in ("parameter", "constant")
+        if known and variable.binding is not None:
+            yield self._item(f"{variable.name} = {render(variable.binding)}", variable.at, (name, variable.binding))
+        # the front end repeats a parameter's value as its start
+        start = None if known and variable.binding is not None else variable.start
+        for attribute, value in (
+            ("start", start),
+            ("min", variable.minimum),
+            ("max", variable.maximum),
+            ("nominal", variable.nominal),
+        ):
+            if value is not None:
+                yield self._item(f"{variable.name}({attribute} = {render(value)})", variable.at, (name, value))
+
+    def _function(self, function: Function) -> Iterator[_Item]:
+        if function.is_constructor:
+            return
+        self._scope = self._terms.own(function)
+        for variable in (*function.inputs, *function.outputs, *function.locals):
+            if variable.value is not None:
+                name = Reference(variable.name, (), variable.at)
+                yield self._item(f"{variable.name} = {render(variable.value)}", variable.at, (name, variable.value))
+        yield from self._actions(function.body)
+        self._scope = {}
+
+    def _actions(self, actions: Sequence[Action | When]) -> Iterator[_Item]:
+        for action in actions:
+            yield from self._action(action)
+
+    def _action(self, action: Action | When) -> Iterator[_Item]:
+        match action:
+            case Assign(target=target, subscripts=subscripts, value=value, at=at):
+                name = Reference(target, subscripts, at)
+                yield self._item(f"{render(name)} = {render(value)}", at, (name, value))
+            case Assigns(targets=targets):
+                yield from self._actions([target for target in targets if target is not None])
+            case Reinit(state=state, value=value, at=at):
+                yield self._item(f"reinit({state}, {render(value)})", at, (Reference(state, (), at), value))
+            case Assertion(condition=condition, at=at):
+                yield self._item(f"assert({render(condition)})", at, condition)
+            case When(branches=branches, at=at):
+                for condition, body in branches:
+                    yield self._item(f"when {render(condition)}", at, condition)
+                    yield from self._actions(body)
+            case Conditional(branches=branches, otherwise=otherwise, at=at):
+                for condition, body in branches:
+                    yield self._item(f"if {render(condition)}", at, condition)
+                    yield from self._actions(body)
+                yield from self._actions(otherwise)
+            case While(condition=condition, body=body, at=at):
+                yield self._item(f"while {render(condition)}", at, condition)
+                yield from self._actions(body)
+            case Loop(index=index, body=body):
+                outside, self._scope = self._scope, {**self._scope, index: NUMBER}
+                yield from self._actions(body)
+                self._scope = outside
 
 
 def _sides(residual: Expression) -> tuple[Expression, Expression] | Expression:
     return (residual.left, residual.right) if isinstance(residual, Binary) and residual.operator == "-" else residual
-
-
-def _declaration(terms: Terms, variable: Variable) -> Iterator[tuple[str, int, _Visit]]:
-    name = Reference(variable.name, (), variable.at)
-    known = variable.variability in ("parameter", "constant")
-    if known and variable.binding is not None:
-        text = f"{variable.name} = {render(variable.binding)}"
-        yield text, variable.at, _Visit(terms, (name, variable.binding))
-    # the front end repeats a parameter's value as its start
-    start = None if known and variable.binding is not None else variable.start
-    for attribute, value in (
-        ("start", start),
-        ("min", variable.minimum),
-        ("max", variable.maximum),
-        ("nominal", variable.nominal),
-    ):
-        if value is not None:
-            yield f"{variable.name}({attribute} = {render(value)})", variable.at, _Visit(terms, (name, value))
-
-
-def _when(terms: Terms, when: When) -> Iterator[tuple[str, int, _Visit]]:
-    for condition, actions in when.branches:
-        yield f"when {render(condition)}", when.at, _Visit(terms, condition)
-        for action in actions:
-            yield from _action(terms, action)
-
-
-def _action(terms: Terms, action: Action) -> Iterator[tuple[str, int, _Visit]]:
-    match action:
-        case Assign(target=target, subscripts=subscripts, value=value, at=at):
-            name = Reference(target, subscripts, at)
-            yield f"{render(name)} = {render(value)}", at, _Visit(terms, (name, value))
-        case Reinit(state=state, value=value, at=at):
-            yield f"reinit({state}, {render(value)})", at, _Visit(terms, (Reference(state, (), at), value))
-        case Assertion(condition=condition, at=at):
-            yield f"assert({render(condition)})", at, _Visit(terms, condition)
-        case Conditional(branches=branches, otherwise=otherwise, at=at):
-            for condition, body in branches:
-                yield f"if {render(condition)}", at, _Visit(terms, condition)
-                for inner in body:
-                    yield from _action(terms, inner)
-            for inner in otherwise:
-                yield from _action(terms, inner)
 
 
 def _infer(flat: FlatModel, terms: Terms) -> None:
@@ -160,7 +210,7 @@ def _infer(flat: FlatModel, terms: Terms) -> None:
     """
     if not terms.open:
         return
-    visits = list(_everything(flat, terms))
+    visits = list(_Everything(flat, terms))
     found = True
     while found and terms.open:
         found = False

@@ -138,14 +138,22 @@ def declared(text: str) -> Quantity | None:
     return Quantity(powers, measured=bool(powers), factor=unit.factor, offset=unit.offset, text=unit.text)
 
 
-def is_angular(text: str) -> bool:
-    """Whether a unit counts an angle, such as rad/s."""
-    return parse(text).exponents.get("rad", 0) > 0
-
-
-def is_frequency(text: str) -> bool:
-    """Whether a unit counts cycles, such as Hz or kHz."""
-    return text.strip().endswith("Hz")
+def difference(a: Quantity, b: Quantity, *, points: bool) -> str | None:
+    """None if two known quantities fit; else what to add to their units in the message."""
+    if a.powers != b.powers:
+        return ""
+    if a.text and b.text:
+        for one, other in ((a.text, b.text), (b.text, a.text)):
+            if _is_angular(one) and _is_frequency(other):
+                return ": a factor of 2*pi is missing"
+    if a.factor is None or b.factor is None:
+        return None
+    ratio = max(a.factor / b.factor, b.factor / a.factor)
+    if not math.isclose(ratio, 1.0, rel_tol=1e-9):
+        return f": a factor of {ratio:.6g} is missing"
+    if points and a.offset is not None and b.offset is not None and a.offset != b.offset:
+        return f": their zeros differ by {abs(a.offset - b.offset) / a.factor:g} {a}"
+    return None
 
 
 def write(powers: Powers) -> str:
@@ -160,6 +168,16 @@ def write(powers: Powers) -> str:
     if not below:
         return above or "1"
     return f"{above or '1'}/{below[0] if len(below) == 1 else '(' + '.'.join(below) + ')'}"
+
+
+def _is_angular(text: str) -> bool:
+    """Whether a unit counts an angle, such as rad/s."""
+    return parse(text).exponents.get("rad", 0) > 0
+
+
+def _is_frequency(text: str) -> bool:
+    """Whether a unit counts cycles, such as Hz or kHz."""
+    return text.strip().endswith("Hz")
 
 
 def _factor(base: str, power: Fraction) -> str:

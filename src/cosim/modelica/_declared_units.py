@@ -1,10 +1,13 @@
-"""Finds the unit of a package constant that the front end has replaced by its value."""
+"""Finds units in the text that the flat model has lost: of package constants, replaced by their values, and of the
+variables of functions.
+"""
 
 from __future__ import annotations
 
 import re
 
 from cosim.modelica.expressions import Binary, Expression, Literal, Reference, Unary, children
+from cosim.modelica.flat import Local
 from cosim.modelica.quantity import NUMBER, UNKNOWN, Quantity, declared
 from cosim.modelica.source import Source
 
@@ -12,16 +15,16 @@ _NAME = re.compile(rb"[A-Za-z_][\w.]*")
 _UNIT = re.compile(r'\bunit\s*=\s*"([^"]*)"')
 
 
-class FoldedConstants:
-    """The package constants of one source text."""
+class DeclaredUnits:
+    """Looks up declarations in one source text."""
 
     def __init__(self, source: Source) -> None:
         """Take the text; nothing is looked up yet."""
         self._text = source.text
         self._bytes = source.text.encode()
-        self._found: dict[str, Quantity] = {}
+        self._constants: dict[str, Quantity] = {}
 
-    def __call__(self, node: Expression) -> Quantity | None:
+    def constant(self, node: Expression) -> Quantity | None:
         """The quantity of the constant that a literal expression stands for; None if it is none.
 
         The front end puts the value in and keeps the place, where the text then has a name instead of a number. Its
@@ -33,9 +36,24 @@ class FoldedConstants:
         if match is None:
             return None
         last = match.group().decode().rpartition(".")[2]
-        if last not in self._found:
-            self._found[last] = _declared(self._text, last)
-        return self._found[last]
+        if last not in self._constants:
+            self._constants[last] = _declared(self._text, last)
+        return self._constants[last]
+
+    def local(self, variable: Local) -> Quantity:
+        """The quantity of a function's variable, whose place is that of its type's name in the declaration."""
+        if variable.type == "Integer":
+            return NUMBER
+        if variable.type != "Real":
+            return UNKNOWN
+        end = self._bytes.find(b";", variable.at)
+        declaration = self._bytes[variable.at : end].decode("utf-8", "replace")
+        match = re.match(rf"([\w.]+)\b[^;]*?\b{re.escape(variable.name)}\b\s*(\[[^\]]*\]\s*)?(\([^)]*\))?", declaration)
+        if match is None:
+            return UNKNOWN
+        unit = _UNIT.search(match.group(3) or "")
+        text = unit.group(1) if unit else _unit_of_type(self._text, match.group(1).rpartition(".")[2])
+        return UNKNOWN if text is None else declared(text) or UNKNOWN
 
 
 def _stands_for_a_name(node: Expression) -> bool:
