@@ -86,7 +86,7 @@ equation
     tick = pre(tick) + 1;
 
     // Current: moving average of the analogue input at T_compute, ...
-    samples = cat(1, pre(samples[2:N_filter]), {0.0}) + enter*i_motor;
+    samples = if n_filter > 1 then cat(1, pre(samples[2:N_filter]), {0.0}) + enter*i_motor else pre(samples);
     total = pre(total) + i_motor - pre(samples[1]);
     i_filtered = if n_filter == 1 then i_motor else total/n_filter;
     // ... held for T_sample, zero for the first T_blank, ...
@@ -155,7 +155,7 @@ equation
     floored = if state == Types.ChartState.IDLE then 0 else max(y, duty_min);
 
     // Computation delay
-    delayed = cat(1, pre(delayed[2:N_delay]), {0.0}) + enter_delay*floored;
+    delayed = if n_delay > 0 then cat(1, pre(delayed[2:N_delay]), {0.0}) + enter_delay*floored else pre(delayed);
     duty = if n_delay == 0 then floored else pre(delayed[1]);
   end when;
 end VoltageProfile;

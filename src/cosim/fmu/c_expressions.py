@@ -18,7 +18,8 @@ BINARY = {
 }  # fmt: skip
 UNARY = {
     ca.OP_NEG: "-{}", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "2 * {}", ca.OP_INV: "1 / {}", ca.OP_NOT: "{} == 0",
-    ca.OP_SQRT: "sqrt({})", ca.OP_EXP: "exp({})", ca.OP_LOG: "log({})", ca.OP_SIN: "sin({})", ca.OP_COS: "cos({})",
+    ca.OP_SQRT: "sqrt({})", ca.OP_EXP: "exp({})", ca.OP_LOG: "log({})",
+    ca.OP_SIN: "model_sin({})", ca.OP_COS: "model_cos({})",
     ca.OP_TAN: "tan({})", ca.OP_ASIN: "asin({})", ca.OP_ACOS: "acos({})", ca.OP_ATAN: "atan({})",
     ca.OP_SINH: "sinh({})", ca.OP_COSH: "cosh({})", ca.OP_TANH: "tanh({})", ca.OP_FABS: "fabs({})",
     ca.OP_FLOOR: "floor({})", ca.OP_CEIL: "ceil({})", ca.OP_SIGN: "(({0} > 0) - ({0} < 0))",
@@ -33,6 +34,7 @@ _RESERVED = frozenset(
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
     t v u p d c f g J y dz l r ft pre fired initial d_new x_new start interval
     sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt pow fabs floor ceil fmod fmin fmax hypot gamma
+    model_sin model_cos model_has_nan
     j0 j1 jn y0 y1 yn index remainder signbit round trunc main abs div time signal
     """.split()
 )

@@ -85,7 +85,7 @@ class _Generator:
     def model(self) -> str:
         dae = self._dae
         parts = [f"/* {dae.name}: {_comment(dae.description or '')} */", '#include "model.h"', "", "#include <math.h>",
-                 "#include <string.h>", ""]  # fmt: skip
+                 "#include <string.h>", "", '#include "elementary.h"', ""]  # fmt: skip
         parts += self._tables()
         parts += self._parameters()
         parts += self._start()
@@ -237,7 +237,12 @@ class _Generator:
                 values[f"new({target})"] = value
                 targets.append(target)
         expressions = [values[f"new({target})"] for target in targets]
-        body = self._elements(_DISCRETE, "d_new", expressions, [index[target] for target in targets])
+        positions = [index[target] for target in targets]
+        body = self._elements(_DISCRETE, "d_new", expressions, positions)
+        body += [
+            f"if (model_has_nan(d_new + {first}, {count})) return MODEL_NOT_A_NUMBER;"
+            for first, count in _ranges(positions)
+        ]
         texts = "; ".join(dict.fromkeys(a.text for a in group))
         comment = [f"/* {_comment(texts)} */"]
         if group[0].guard is None:
@@ -329,6 +334,17 @@ def _moved(line: str, array: str, positions: Sequence[int]) -> str:
         return line
     number_text, rest = line[len(array) + 1 :].split("]", 1)
     return f"{array}[{positions[int(number_text)]}]{rest}"
+
+
+def _ranges(positions: Sequence[int]) -> list[tuple[int, int]]:
+    """Where runs of consecutive numbers begin, and how long they are."""
+    ranges: list[tuple[int, int]] = []
+    for position in sorted(positions):
+        if ranges and position == sum(ranges[-1]):
+            ranges[-1] = (ranges[-1][0], ranges[-1][1] + 1)
+        else:
+            ranges.append((position, 1))
+    return ranges
 
 
 def _scope(body: Sequence[str]) -> list[str]:

@@ -101,5 +101,6 @@ int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *
     d_new[0] = p[0] == FLIP_FLOP && high ? 1.0 - d[0] : p[0] == RUNAWAY && high ? pre[0] + 1.0 : 0.0;
     if (p[0] == BAD_DISCRETE && high) d_new[0] = NAN;
     x_new[0] = p[0] == BAD_REINIT && high ? NAN : v[0];
+    if (model_has_nan(d_new, 1)) return MODEL_NOT_A_NUMBER;
     return (p[0] == TERMINATE && high) || p[0] == TERMINATE_AT_ONCE;
 }

@@ -5,6 +5,7 @@
  */
 #include <math.h>
 
+#include "elementary.h"
 #include "model.h"
 
 #define ARGUMENTS_UNUSED (void)t, (void)v, (void)u, (void)p, (void)d, (void)c

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "elementary.h"
 #include "simulation.h"
 
 enum {
@@ -163,13 +164,8 @@ static int update_relations(Simulation *m, int one_at_a_time)
     return changes;
 }
 
-static int are_numbers(Simulation *m, const double *d)
+static int not_a_number(Simulation *m, const double *d)
 {
-    /* One comparison takes two of them, and the mask is as wide as they are: a long filter has a thousand. */
-    enum { HALF = MODEL_ND / 2 };
-    int64_t strange = 0;
-    for (int i = 0; i < HALF; i++) strange |= isunordered(d[i], d[HALF + i]);
-    if (!strange && !(MODEL_ND % 2 && isnan(d[MODEL_ND - 1]))) return 1;
     int i = 0;
     while (!isnan(d[i])) i++;
     return simulation_fail(m,
@@ -185,7 +181,7 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
     State *s = &m->s;
     double d_new[MODEL_ROOM(MODEL_ND)];
     unsigned char unsettled[MODEL_ROOM(MODEL_NG)] = {0};
-    int terminate = 0;
+    int outcome = 0;
     for (int pass = 0; pass < MAX_PASSES; pass++) {
         if (!(initial ? solve_initial(m) : simulation_solve_algebraic(m, s->t, s->v, NULL))) return 0;
         int changes = update_relations(m, pass >= SIMULTANEOUS_PASSES);
@@ -194,14 +190,16 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
         memcpy(d_new, pre, MODEL_ND * sizeof *d_new);
         memcpy(x_new, s->v, MODEL_NX * sizeof *x_new);
         if (MODEL_ND > 0 || MODEL_NX > 0 || MODEL_NG > 0)
-            terminate = model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, initial, d_new, x_new);
-        if (!are_numbers(m, d_new)) return 0;
+            outcome = model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, initial, d_new, x_new);
+        /* Start values have not been assigned by anything that looks at them. */
+        if (outcome == MODEL_NOT_A_NUMBER || (initial && model_has_nan(d_new, MODEL_ND)))
+            return not_a_number(m, d_new);
         for (int i = 0; i < MODEL_ND; i++) {
             if (s->d[i] != d_new[i]) changes++;
             s->d[i] = d_new[i];
         }
         if (!changes) {
-            if (terminate) s->terminate = terminate;
+            if (outcome) s->terminate = outcome;
             return 1;
         }
     }
@@ -218,9 +216,10 @@ static int tick(Simulation *m, const double *fired)
     State *s = &m->s;
     double pre[MODEL_ROOM(MODEL_ND)], unused[MODEL_ROOM(MODEL_NX)];
     memcpy(pre, s->d, sizeof pre);
-    int terminate = model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, 0, s->d, unused);
-    if (terminate) s->terminate = terminate;
-    return are_numbers(m, s->d);
+    int outcome = model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, 0, s->d, unused);
+    if (outcome == MODEL_NOT_A_NUMBER) return not_a_number(m, s->d);
+    if (outcome) s->terminate = outcome;
+    return 1;
 }
 
 /* Events until nothing follows from the last one; fired is used up. */

@@ -70,18 +70,48 @@ static inline void lu_solve(int n, const double *A, const int *pivots, double *b
  * operations as to solve with L and U, but these do not wait for each other. */
 enum { LU_INVERTED = 8 };
 
+/* Invert A in place by Gauss-Jordan elimination with partial pivoting. */
+static inline int lu_invert(int n, double *A, int *pivots)
+{
+    for (int k = 0; k < n; k++) {
+        double *column = A + k * n;
+        int pivot = k;
+        for (int i = k + 1; i < n; i++)
+            if (fabs(column[i]) > fabs(column[pivot])) pivot = i;
+        pivots[k] = pivot;
+        double inverse = 1.0 / column[pivot];
+        if (!isfinite(inverse) || inverse == 0.0) return k + 1;
+        if (pivot != k)
+            for (int j = 0; j < n; j++) {
+                double swapped = A[j * n + k];
+                A[j * n + k] = A[j * n + pivot];
+                A[j * n + pivot] = swapped;
+            }
+        column[k] = 0.0;
+        for (int j = 0; j < n; j++) {
+            double *updated = A + j * n, factor = updated[k] * inverse;
+            if (j == k || factor == 0.0) continue;
+            for (int i = 0; i < n; i++) updated[i] -= column[i] * factor;
+            updated[k] = factor;
+        }
+        for (int i = 0; i < n; i++) column[i] *= -inverse;
+        column[k] = inverse;
+    }
+    /* Rows were exchanged; of the inverse these are columns. */
+    for (int k = n - 1; k >= 0; k--)
+        if (pivots[k] != k)
+            for (int i = 0; i < n; i++) {
+                double swapped = A[k * n + i];
+                A[k * n + i] = A[pivots[k] * n + i];
+                A[pivots[k] * n + i] = swapped;
+            }
+    return 0;
+}
+
 /* Make A ready for lu_apply: its inverse if it is small, else its factors. Returns what lu_factor returns. */
 static inline int lu_prepare(int n, double *A, int *pivots)
 {
-    int singular = lu_factor(n, A, pivots);
-    if (n > LU_INVERTED || singular) return singular;
-    double inverse[LU_INVERTED * LU_INVERTED] = {0};
-    for (int j = 0; j < n; j++) {
-        inverse[j * n + j] = 1.0;
-        lu_solve(n, A, pivots, inverse + j * n);
-    }
-    memcpy(A, inverse, (size_t)(n * n) * sizeof *A);
-    return 0;
+    return n > LU_INVERTED ? lu_factor(n, A, pivots) : lu_invert(n, A, pivots);
 }
 
 /* x = A^-1 b with what lu_prepare made of A; x and b are different arrays. */

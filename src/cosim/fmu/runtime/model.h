@@ -144,13 +144,15 @@ void model_sweep(MODEL_CONTINUOUS_ARGUMENTS, double *dz, double *y);
 /* Index of the first violated assertion, or -1. Errors must come before warnings: a lasting warning would hide them. */
 int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS);
 
+#define MODEL_NOT_A_NUMBER (-1)
+
 /* One pass over the discrete equations at an event.
  *
  * pre   values of d before this pass (Modelica's pre())
  * fired 1 for each sample clock that ticks in this pass
  * d_new the discrete variables: pre when called, then the new values
  * x_new the states: those of v when called, then with reinit() applied
- * Returns k + 1 if terminate() was called with message k, else 0. */
+ * Returns k + 1 if terminate() was called with message k, MODEL_NOT_A_NUMBER if a value it assigned is none, else 0. */
 int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial, double *d_new,
                    double *x_new);
 
