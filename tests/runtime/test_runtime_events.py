@@ -221,14 +221,53 @@ def test_event_mode_stops_at_a_tick_inside_the_step() -> None:
     assert sample.get(2, kind="Int32") == 1
 
 
-def test_without_early_return_ticks_inside_are_handled_inside() -> None:
+def test_without_early_return_ticks_inside_are_computed_there_and_show_in_event_mode() -> None:
     sample = Sample("sampler", events=True).start(v8=0.1)
+    sample.set(1, 2.0)
     sample.update()
     sample.call("fmi3EnterStepMode")
-    assert sample.step_to(0.25) == (False, False, False, 0.25)
-    assert sample.get(2, kind="Int32") == 3
-    assert sample.step_to(0.4) == (True, False, False, 0.4)
+    sample.set(1, 3.0)
+    # x' = held, which was 2 until the tick at 0.1 s and is 3 from then on
+    for end in (0.25, 0.35):
+        assert sample.step_to(end) == (True, False, False, end)
+        assert sample.get(6) == pytest.approx(0.2 + 3 * (end - 0.1), abs=1e-9)
+        assert sample.get(2, kind="Int32") == 1
+        assert sample.get(3) == 2.0
+    state = sample.save()
+    sample.call("fmi3EnterEventMode")
     assert sample.get(2, kind="Int32") == 4
+    assert sample.get(3) == 3.0
+    assert sample.update().next_time == pytest.approx(0.4, abs=1e-12)
+    assert sample.get(2, kind="Int32") == 4
+    sample.call("fmi3EnterStepMode")
+    assert sample.step_to(0.38) == (False, False, False, 0.38)
+    sample.restore(state)
+    sample.forget(state)
+    assert sample.get(2, kind="Int32") == 1
+
+
+def test_without_early_return_state_events_are_computed_inside_and_show_in_event_mode() -> None:
+    """Two balls, one seen in Event Mode only: they fly alike, and their counts of bounces agree there."""
+    plain, watched = Sample("bouncing_ball").start(1e-8), Sample("bouncing_ball", events=True).start(1e-8)
+    watched.update()
+    watched.call("fmi3EnterStepMode")
+    seen = bounces = 0
+    for k in range(20):
+        plain.step_to(0.1 * (k + 1))
+        step = watched.step_to(0.1 * (k + 1))
+        assert watched.get(1, 2) == pytest.approx(plain.get(1, 2), abs=1e-9)
+        assert watched.get(5, kind="Int32") == seen
+        assert not step.early
+        bounces = plain.get(5, kind="Int32")
+        if bounces > seen:
+            assert step.event
+        if step.event:  # at the top of its flight, too
+            watched.call("fmi3EnterEventMode")
+            watched.update()
+            seen = watched.get(5, kind="Int32")
+            watched.call("fmi3EnterStepMode")
+        assert seen == bounces
+    assert bounces > 2
 
 
 def test_both_modes_give_the_same_trajectory() -> None:

@@ -292,9 +292,28 @@ static void restart(Simulation *m, int reinitialised)
     s->control.h = fmin(s->control.h, rodas_first_step(&m->rodas, s->tolerance));
 }
 
+static void keep_discretes(State *s)
+{
+    memcpy(s->d_kept, s->d, sizeof s->d);
+    memcpy(s->c_kept, s->c, sizeof s->c);
+    s->kept = 1;
+}
+
+const double *simulation_kept_values(Simulation *m, ModelStore store)
+{
+    State *s = &m->s;
+    if (store == STORE_DISCRETE) return s->d_kept;
+    const double *v = simulation_values(m, STORE_UNKNOWN);
+    if (!v) return NULL;
+    double *kept = store == STORE_OUTPUT ? m->kept_y : m->kept_l;
+    (store == STORE_OUTPUT ? model_outputs : model_locals)(s->t, v, s->u, s->p, s->d_kept, s->c_kept, kept);
+    return kept;
+}
+
 int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
 {
     State *s = &m->s;
+    if (s->keeping && !s->kept) keep_discretes(s);
     double fired[MODEL_ROOM(MODEL_NS)] = {0};
     int discontinuous = 0, reinit = 0, ticks = 0;
     s->ahead.active = 0; /* what lies ahead was computed without this event */

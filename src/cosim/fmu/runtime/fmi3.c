@@ -107,6 +107,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
     ENTER(STEP_MODE);
     if (!((Instance *)instance)->event_mode_used) return error(m, "The instance was made without eventModeUsed.");
+    m->s.kept = 0;
     m->s.mode = EVENT_MODE;
     return fmi3OK;
 }
@@ -147,14 +148,18 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     ENTER(STEP_MODE);
     (void)noSetFMUStatePriorToCurrentPoint;
     const Instance *i = instance;
-    const State *s = &m->s;
+    State *s = &m->s;
     double to = currentCommunicationPoint + communicationStepSize;
     if (!eventHandlingNeeded || !terminateSimulation || !earlyReturn || !lastSuccessfulTime)
         return error(m, "fmi3DoStep: an output argument is null.");
     if (!instance_accepts_step(m, __func__, currentCommunicationPoint, communicationStepSize)) return fmi3Error;
+    /* An importer with Event Mode sees discrete variables change there and nowhere else. If it cannot be given an early
+     * return, what happens inside the step is computed at its instant, and shows in Event Mode at the step's end. */
+    s->keeping = i->event_mode_used && !i->early_return_allowed;
     Advance outcome = instance_run(m, to, i->event_mode_used && i->early_return_allowed);
+    s->keeping = 0;
     bool at_tick = outcome == ADVANCE_REACHED && i->event_mode_used && simulation_tick_is_due(m);
-    *eventHandlingNeeded = outcome == ADVANCE_EVENT || at_tick;
+    *eventHandlingNeeded = outcome == ADVANCE_EVENT || at_tick || s->kept;
     *terminateSimulation = s->terminate != 0;
     if (s->terminate) simulation_log_termination(m, LOG_WARNING);
     *earlyReturn = i->early_return_allowed && outcome != ADVANCE_FAILED && s->t < to;

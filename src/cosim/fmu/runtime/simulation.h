@@ -54,6 +54,8 @@ typedef struct {
     double p[MODEL_ROOM(MODEL_NP)];
     double d[MODEL_ROOM(MODEL_ND)]; /* between events also pre(d) */
     double c[MODEL_ROOM(MODEL_NG)];
+    double d_kept[MODEL_ROOM(MODEL_ND)]; /* if kept: d and c as the importer still sees them */
+    double c_kept[MODEL_ROOM(MODEL_NG)];
     double clock_start[MODEL_ROOM(MODEL_NS)];
     double clock_interval[MODEL_ROOM(MODEL_NS)];
     int64_t tick[MODEL_ROOM(MODEL_NS)]; /* number of the next tick */
@@ -67,6 +69,8 @@ typedef struct {
     signed char selection_sign[MODEL_ROOM(MODEL_NCONSTRAINTS)]; /* of the constraints' determinants; 0 if not known */
     int mode;        /* of the FMI shell */
     int inputs_wait;
+    int keeping; /* an event from now on is to keep d and c as they are for the importer, who has not seen it yet */
+    int kept;
     int initialised; /* v, d, c solve the initial equations for the present u, p, t */
     int event_due;   /* inputs have changed or a relation has: an event iteration must come before integrating on */
     int terminate;   /* the model has called terminate(), with message terminate - 1 */
@@ -87,6 +91,8 @@ typedef struct {
     double shown_f[MODEL_ROOM(MODEL_NV)];
     double shown_y[MODEL_ROOM(MODEL_NY)];
     double shown_l[MODEL_ROOM(MODEL_NL)];
+    double kept_y[MODEL_ROOM(MODEL_NY)];
+    double kept_l[MODEL_ROOM(MODEL_NL)];
     /* Warnings and event notes, and the errors of the FMI shell, go here, if not NULL. */
     void (*log)(void *log_context, LogKind kind, const char *text);
     void *log_context;
@@ -120,6 +126,9 @@ int simulation_tick_is_due(const Simulation *m);
 
 /* The values of a store at s.t, NULL on failure. They satisfy the algebraic equations to rounding errors. */
 const double *simulation_values(Simulation *m, ModelStore store);
+
+/* The same for variables that change at events only, as they were before the events that are kept from the importer. */
+const double *simulation_kept_values(Simulation *m, ModelStore store);
 
 /* For the runtime itself. */
 int simulation_fail(Simulation *m, const char *format, ...) PRINTF_LIKE(2, 3);

@@ -51,7 +51,9 @@ static inline bool get(Simulation *m, const char *function, unsigned reference, 
                        reference);
         return false;
     }
-    const double *values = simulation_values(m, (ModelStore)variable->store);
+    bool discrete = variable->store == STORE_DISCRETE || variable->type != TYPE_REAL;
+    const double *values =
+        (discrete && s->kept ? simulation_kept_values : simulation_values)(m, (ModelStore)variable->store);
     if (!values) {
         instance_error(m, "%s: %s", function, m->message);
         return false;
