@@ -9,12 +9,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from cosim.cli import _linearize
 from cosim.cli._app import app
-from cosim.linear import LinearSystem
+from cosim.linear import LinearSystem, Signal
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "linearize.md").read_text(encoding="utf-8")
@@ -42,6 +43,21 @@ def _rounded(text: str) -> list[str]:
     return [
         re.sub(r"\s+", " ", re.sub(r"-?\d\.?\d*e-(?:0[9]|[1-9]\d)|-0(?= |$)", "0", line)) for line in text.splitlines()
     ]
+
+
+def test_the_text_of_a_large_system_stays_readable() -> None:
+    states = tuple(Signal(f"x{k}", "1", 0.0) for k in range(9))
+    system = LinearSystem(
+        model="P.Wide", at="2 s", time=2.0, states=states, inputs=(), outputs=(), A=np.diag(np.arange(1.0, 10.0)),
+        B=np.zeros((9, 0)), C=np.zeros((0, 9)), D=np.zeros((0, 0)), slope=np.zeros(9),
+        held={f"d{k}": 1.0 for k in range(15)},
+    )  # fmt: skip
+    lines = _linearize.describe(system).splitlines()
+    assert lines[0] == "P.Wide, linearized at t = 2 s"
+    assert "no outputs: the model has no Real output; name variables with --output" in lines
+    assert f"held: {', '.join(f'd{k} = 1' for k in range(12))}, and 3 more" in lines
+    assert "A: 9 rows, 9 columns; --out DIR or --json gives them" in lines
+    assert lines[-1].split() == ["9", "9", "1.43239", "-1", "-0.1111", "unstable"]
 
 
 @pytest.fixture

@@ -185,6 +185,8 @@ def test_the_linkage_plant_is_refused_where_it_has_no_derivative_or_no_rest() ->
             "integrator, like the angle of a shaft that turns. Let it keep its value: --steady-except phi_crank"
         )
         system = plant.at("steady", inputs={"duty": 1.0}, steady_except=["phi_crank"])
+    # the park contact acts on nothing of the linear system
+    assert list(system.held) == ["bridge.blocking", "bridge.limiting", "bridge.returning", "bridge.braking"]
     phi, w, _ = (signal.value for signal in system.states)
     assert (phi, system.slope[0]) == (0.0, w)
     np.testing.assert_allclose(system.slope[1:], 0, atol=1e-9)

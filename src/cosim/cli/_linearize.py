@@ -14,6 +14,7 @@ from cosim.errors import InputError
 from cosim.linear import LinearSystem, Signal, bode, linearize
 from cosim.units import compatible, convert, parse, quantity
 
+_MOST_HELD = 12
 _WIDEST = 8
 """Matrices with more columns are not printed, only written."""
 
@@ -109,9 +110,14 @@ def describe(system: LinearSystem) -> str:
         [[s.name, f"{s.value:.9g}", s.unit, slope] for s, slope in zip(system.states, slopes, strict=True)],
     )
     for kind, signals in (("input", system.inputs), ("output", system.outputs)):
-        lines += ["", *_table([kind, "value", "unit"], [[s.name, f"{s.value:.9g}", s.unit] for s in signals])]
+        if signals:
+            lines += ["", *_table([kind, "value", "unit"], [[s.name, f"{s.value:.9g}", s.unit] for s in signals])]
+    if not system.outputs:
+        lines += ["", "no outputs: the model has no Real output; name variables with --output"]
     if system.held:
-        lines += ["", "held: " + ", ".join(f"{name} = {value:g}" for name, value in system.held.items())]
+        shown = [f"{name} = {value:g}" for name, value in system.held.items()][:_MOST_HELD]
+        more = [f"and {len(system.held) - _MOST_HELD} more"] if len(system.held) > _MOST_HELD else []
+        lines += ["", "held: " + ", ".join(shown + more)]
     for name, rows, columns in (
         ("A", system.states, system.states),
         ("B", system.states, system.inputs),

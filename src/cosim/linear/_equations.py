@@ -81,6 +81,8 @@ class Equations:
         behind = _behind(dae, _column(continuous.values()))
         self.relevant = [k for k, r in enumerate(dae.relations) if r.symbol.name() in behind]
         """Positions of the relations on which f, r or y depend, directly or through discrete variables."""
+        self.held = [k for k, s in enumerate(dae.discretes) if s.name in behind]
+        """Positions of the discrete variables on which f, r or y depend."""
         self.sampled = any(clock.fired.name() in behind for clock in dae.clocks)
         """Whether f, r or y depend on what changes at sample times."""
         g = _column(dae.relations[k].indicator for k in self.relevant)

@@ -185,7 +185,8 @@ def _system(
         for u, value in zip(dae.states, point.x, strict=True)
     )
     inputs = tuple(Signal(s.name, s.declaration.unit or "1", float(point.u[k])) for k, s in enumerate(dae.inputs))
-    held = {s.name: float(value) for s, value in zip(dae.discretes, point.d, strict=True) if s.name[0] != "$"}
+    discretes = [(dae.discretes[k].name, float(point.d[k])) for k in equations.held]
+    held = {name: value for name, value in discretes if name[0] != "$"}
     held |= {signal.name: signal.value for k, signal in enumerate(inputs) if k not in real}
     return LinearSystem(
         model=dae.name,

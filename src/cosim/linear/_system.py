@@ -68,7 +68,7 @@ class LinearSystem:
     slope: Matrix
     """dx/dt at the operating point, shape (states,): zero in a steady state, but for the states that were excepted."""
     held: dict[str, float] = field(default_factory=dict)
-    """Discrete variables, and inputs that are no Reals, with the values that they keep."""
+    """Discrete variables that act on the system, and inputs that are no Reals, with the values that they keep."""
     parameters: dict[str, float] = field(default_factory=dict)
     """Parameters that were set, in the model's units."""
 
