@@ -14,18 +14,20 @@ import os
 import statistics
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from _solver import minimal
+from _solver.curves import Curve, ratio
 from _solver.equations import Equations, derived_by_hand, generated
 from _solver.plant import LIBRARY, MODEL, Trajectory, casadi_reduced, compiler_reduced, engine, rumoca, unknowns_along
 
 from cosim.fmu import compile_model
 
 STOP = 25.0
-RUMOCA_STOP = 1.0
+RUMOCA_STOP = 2.0
 """Rumoca takes half a minute for each second at 1e-6."""
 EVALUATIONS = 200_000
 POINTS = 200
@@ -60,17 +62,26 @@ def evaluations(folder: Path, rounds: int) -> None:
     )
     if differs > 1e-10:
         raise SystemExit("the two forms differ")
-    instructions = [function.n_instructions() for function in minimal.functions()]
-    print(f"\nmicroseconds per evaluation{'':15} generated    by hand   ratio")
-    for function, label, count in zip(
-        ("rhs", "linearise"), ("right-hand side", "and Jacobian"), instructions, strict=True
-    ):
-        times: dict[str, list[float]] = {"ours": [], "hand": []}
-        for _ in range(rounds):
-            times["ours"].append(ours.seconds(function, points, EVALUATIONS))
-            times["hand"].append(hand.seconds(function, points, EVALUATIONS))
-        a, b = (statistics.median(t) * 1e6 for t in times.values())
-        print(f"{label:40} {a:10.3f} {b:10.3f} {a / b:7.2f}   (by hand: {count} operations)")
+    print(f"\nmicroseconds per evaluation, median (lowest){'':8} generated             by hand   ratio")
+    counts = [function.n_instructions() for function in minimal.functions()]
+    for function, label, count in zip(("rhs", "linearise"), ("right-hand side", "and Jacobian"), counts, strict=True):
+        forms = [partial(form.seconds, function, points, EVALUATIONS) for form in (ours, hand)]
+        a, b = alternate(forms, rounds)
+        ratio = statistics.median(a) / statistics.median(b)
+        print(
+            f"{label:44} {shown(a, 1e6, 3):>17}   {shown(b, 1e6, 3):>17} {ratio:7.2f}   (by hand: {count} operations)"
+        )
+
+
+def alternate(jobs: Sequence[Callable[[], float]], rounds: int) -> list[list[float]]:
+    """What each job returns in each of the rounds."""
+    results = [[job() for job in jobs] for _ in range(rounds)]
+    return [list(column) for column in zip(*results, strict=True)]
+
+
+def shown(values: Sequence[float], unit: float, digits: int) -> str:
+    """Median and lowest."""
+    return f"{statistics.median(values) * unit:.{digits}f} ({min(values) * unit:.{digits}f})"
 
 
 def rates(equations: Equations, v: np.ndarray) -> np.ndarray:
@@ -83,17 +94,17 @@ def rates(equations: Equations, v: np.ndarray) -> np.ndarray:
 
 def steps(rounds: int) -> None:
     """Microseconds per step of the solver, with and without rows of 1 ms."""
-    print(f"\n{STOP:g} s in the engine         rows   steps  rejected     rhs      ms  lowest   us/step")
-    for tolerance in (1e-4, 1e-6, 1e-8):
-        for interval in (STOP, 1e-3):
-            runs = [engine(STOP, interval, tolerance) for _ in range(rounds)]
-            ms, count = [r.seconds * 1e3 for r in runs], runs[0].counters
-            tried = count["steps"] + count["rejected_steps"]
-            print(
-                f"    tolerance {tolerance:.0e} {len(runs[0].time):11d} {count['steps']:7d} "
-                f"{count['rejected_steps']:9d} {count['rhs_evaluations']:7d} "
-                f"{statistics.median(ms):7.1f} {min(ms):7.1f} {statistics.median(ms) / tried * 1e3:9.2f}"
-            )
+    print(f"\n{STOP:g} s in the engine         rows   steps  rejected     rhs  ms, median (lowest)  us per step tried")
+    settings = [(tolerance, interval) for tolerance in (1e-4, 1e-6, 1e-8) for interval in (STOP, 1e-3)]
+    times = alternate([lambda t=t, i=i: engine(STOP, i, t).seconds for t, i in settings], rounds)
+    for (tolerance, interval), seconds in zip(settings, times, strict=True):
+        run = engine(STOP, interval, tolerance)
+        tried = run.counters["steps"] + run.counters["rejected_steps"]
+        print(
+            f"    tolerance {tolerance:.0e} {len(run.time):11d} {run.counters['steps']:7d} "
+            f"{run.counters['rejected_steps']:9d} {run.counters['rhs_evaluations']:7d} "
+            f"{shown(seconds, 1e3, 1):>20} {shown(seconds, 1e6 / tried, 2):>18}"
+        )
 
 
 def peers(rounds: int) -> None:
@@ -133,7 +144,7 @@ def compare(stop: float, methods: Methods, rounds: int) -> None:
             except RuntimeError as failure:
                 print(f"{key[0]} at {key[1]:.0e} failed: {str(failure).strip().splitlines()[-1][:80]}")
                 del ready[key]
-    curves: dict[str, list[tuple[float, float]]] = {method: [] for method in methods}
+    curves: dict[str, Curve] = {method: [] for method in methods}
     print(f"\n{stop:g} s, rows of 1 ms        tolerance     error        ms    lowest")
     for method, tolerance in ready:
         found = runs[method, tolerance]
@@ -142,20 +153,8 @@ def compare(stop: float, methods: Methods, rounds: int) -> None:
         print(f"{method:24} {tolerance:9.0e} {error:9.1e} {curves[method][-1][1] * 1e3:9.1f} {min(seconds) * 1e3:9.1f}")
     own = curves.pop("this project")
     for method, curve in curves.items():
-        for error, seconds in own:
-            least, most = min(curve)[0], max(curve)[0]
-            bound = "at least " if error < least else "at most " if error > most else ""
-            print(f"    {method} at our error {error:.1e}: {bound}{at(curve, error) / seconds:.1f} times our time")
-
-
-def at(curve: list[tuple[float, float]], error: float) -> float:
-    """Seconds that a method needs for an error: on a straight line of the logarithms between the points measured.
-
-    Beyond them it is the time of the nearest one: for a larger error too much, for a smaller one too little.
-    """
-    ordered = sorted(curve)
-    logs = np.log([[e, s] for e, s in ordered])
-    return float(np.exp(np.interp(np.log(error), logs[:, 0], logs[:, 1])))
+        for error, _ in own:
+            print(f"    {method} at our error {error:.1e}: {ratio(curve, own, error)} times our time")
 
 
 if __name__ == "__main__":

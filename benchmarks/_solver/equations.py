@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from ctypes import CDLL, POINTER, c_double, c_int, c_long
 from pathlib import Path
@@ -69,8 +70,9 @@ def derived_by_hand(folder: Path, u: np.ndarray) -> Equations:
     for function in minimal.functions():
         generator.add(function)
     generator.generate(f"{folder}/")
-    sizes = [f"#define MODEL_{name} 0" for name in "NZ NU NP ND NG NS NY NL NA NVARIABLES".split()]
-    (folder / "model_sizes.h").write_text("\n".join([f"#define MODEL_NX {n}", *sizes, ""]))
+    others = set(re.findall(r"\bMODEL_N[A-Z]+\b", (RUNTIME / "model.h").read_text())) - {"MODEL_NX", "MODEL_NV"}
+    sizes = [f"#define MODEL_NX {n}", *(f"#define {name} 0" for name in sorted(others)), ""]
+    (folder / "model_sizes.h").write_text("\n".join(sizes))
     return Equations(_library([folder / "minimal_functions.c", HERE / "minimal.c"], folder), n, u=u)
 
 

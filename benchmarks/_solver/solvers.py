@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from _solver.problems import Problem
+from _solver.problems import FLAGS, Problem
 from scipy.integrate import solve_ivp
 
 from cosim.engine import Component, Fmu, System, simulate
@@ -83,7 +83,7 @@ def in_machine_code() -> dict[str, object]:
     return {
         "jit": True,
         "compiler": "shell",
-        "jit_options": {"compiler": command, "linker": command, "flags": ["-O2"]},
+        "jit_options": {"compiler": command, "linker": command, "flags": list(FLAGS)},
     }
 
 
