@@ -17,7 +17,7 @@ from cosim import engine
 from cosim.cli import _run
 from cosim.cli._app import app
 from cosim.engine import Fmu, System, Variable
-from cosim.errors import ModelError, ModelWarning
+from cosim.errors import InputError, ModelError, ModelWarning
 from cosim.fmu.versions import FmiChoice, file_name, versions_of
 
 Cosim = Callable[..., Result]
@@ -60,25 +60,30 @@ def cosim(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Cosim:
 def built(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Put a pretended compiler in place; gives what it was asked for."""
     asked: list[str] = []
+    compiled: list[str] = []
     catalogue: Any = ModuleType("cosim.fmu.catalogue")
     catalogue.names = lambda: {"linkage": SimpleNamespace(fmu_name="LinkagePlant", kind="system")}
 
     def ensure(name: str) -> Path:
+        if name not in ("linkage", "LinkagePlant"):
+            raise InputError(f"no built-in plant or controller '{name}'")
         asked.append(name)
         return Path(f"{name}.fmu")
 
     def build(names: list[str] | None, out: Path | None, fmi: FmiChoice) -> list[Path]:
+        if names and "linkgae" in names:
+            raise InputError("no built-in plant or controller 'linkgae'")
         return [
             (out or Path("fmus")) / file_name(name, version)
             for name in names or ["linkage", "rig"]
             for version in versions_of(fmi)
         ]
 
-    def export_all(file: Path, model: str, out: Path, *, fmi: FmiChoice, strict_units: bool = False) -> list[Path]:
-        compile_model(file, model)
-        return [out / file_name(model.rpartition(".")[2], version) for version in versions_of(fmi)]
+    def pack_all(dae: str, out: Path, *, fmi: FmiChoice) -> list[Path]:
+        return [out / file_name(dae.rpartition(".")[2], version) for version in versions_of(fmi)]
 
-    def compile_model(file: Path, model: str) -> str:
+    def compile_model(file: Path, model: str, *, strict_units: bool = False) -> str:
+        compiled.append(model)
         if model == "P.Wrong":
             raise ModelError("an equation is missing", file=file, line=7)
         if model == "P.Doubtful":
@@ -89,7 +94,8 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     fmu: Any = ModuleType("cosim.fmu")
     fmu.catalogue = catalogue
     fmu.compile_model = compile_model
-    fmu.export_all = export_all
+    fmu.compiled = compiled
+    fmu.pack_all = pack_all
     dae: Any = ModuleType("cosim.dae")
     dae.explain = lambda compiled: f"explained: {compiled}"
     for name, module in {"cosim.fmu": fmu, "cosim.fmu.catalogue": catalogue, "cosim.dae": dae}.items():

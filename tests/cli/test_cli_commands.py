@@ -32,8 +32,7 @@ def test_build(cosim: Cosim) -> None:
     [
         (
             ("build", "linkgae"),
-            "no built-in plant or controller 'linkgae', did you mean 'linkage'?; built in are linkage; "
-            "an FMU of your own is given by its path, ending in .fmu",
+            "no built-in plant or controller 'linkgae'",
         ),
         (
             ("build", "--platform", "all"),
@@ -91,6 +90,7 @@ def test_export(cosim: Cosim) -> None:
     assert (done.exit_code, done.stdout) == (0, f"{Path('there/Model.fmu')}\n")
     done = cosim("export", "x.mo", "P.Model", "--explain")
     assert (done.exit_code, done.stdout) == (0, "explained: dae of P.Model\nModel.fmu\n")
+    assert sys.modules["cosim.fmu"].compiled == ["P.Model", "P.Model"]  # once for each command
     done = cosim("export", "x.mo", "P.Model", "--explain", "--json")
     paths = {"fmu": "Model.fmu", "fmus": ["Model.fmu"]}
     assert json.loads(done.stdout) == paths | {"explanation": "explained: dae of P.Model", "warnings": []}

@@ -112,6 +112,9 @@ def test_numbers_that_make_no_run(fmu: Get) -> None:
     assert refuse(system, stop=0.0) == "stop is 0 s; it must be above 0"
     assert refuse(system, output_interval=-1.0) == "output_interval is -1 s; it must be above 0"
     assert refuse(system, tolerance=float("nan")) == "tolerance is nan; it must be above 0"
+    assert refuse(system, tolerance=1e-13) == (
+        "tolerance is 1e-13; below 1e-12 rounding errors count for more than those of the method; write 1e-12 or more"
+    )
     assert refuse(system, output_interval=1e-9) == "output_interval is 1e-09 s; it must be at least 1e-08 s"
 
 
@@ -195,6 +198,14 @@ def test_parameters_that_cannot_be_set(
     fmu: Get, version: int, model: str, parameters: dict[str, float | int | bool | str], message: str
 ) -> None:
     assert refuse(System([Component("c", fmu(model, version), parameters)]), FmuError) == message
+
+
+def test_a_parameter_outside_its_range(fmu_path: Callable[[str, int], Path], tmp_path: Path) -> None:
+    edit = replacing('name="T_compute"', 'name="T_compute" min="0.001" max="10"')
+    with Fmu.read(repack(fmu_path("sampler", 3), tmp_path / "x.fmu", edit)) as bounded:
+        for value, message in ((0.0, "0 s is below its minimum 0.001 s"), (11.0, "11 s is above its maximum 10 s")):
+            system = System([Component("c", bounded, {"T_compute": value})])
+            assert refuse(system, FmuError) == f"c.T_compute = {message}"
 
 
 def test_clocks_are_refused_by_name(fmu_path: Callable[[str, int], Path], tmp_path: Path) -> None:

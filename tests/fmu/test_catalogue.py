@@ -7,6 +7,7 @@ from pathlib import Path
 import platformdirs
 import pytest
 
+from cosim.errors import InputError
 from cosim.fmu import catalogue, exporter
 
 
@@ -18,6 +19,15 @@ def test_a_build_leaves_nothing_but_the_fmu(tmp_path: Path, monkeypatch: pytest.
     )
     assert catalogue.build(["linkage"], out) == [out / "LinkagePlant.fmu"]
     assert [path.name for path in out.iterdir()] == ["LinkagePlant.fmu"]
+
+
+def test_a_name_that_there_is_not() -> None:
+    with pytest.raises(InputError) as caught:
+        catalogue.ensure("linkgae")
+    assert str(caught.value) == (
+        "no built-in plant or controller 'linkgae', did you mean 'linkage'?; built in are linkage, rig, "
+        "voltage_profile; an FMU of your own is given by its path, ending in .fmu"
+    )
 
 
 def test_a_target_has_one_lock_however_it_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

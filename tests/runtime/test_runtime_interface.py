@@ -168,6 +168,15 @@ def test_bad_experiment_is_refused(start: float, tolerance: float | None, stop: 
         Sample("oscillator").enter(tolerance, start, stop)
 
 
+def test_a_tolerance_below_rounding_is_raised_with_a_warning() -> None:
+    sample = Sample("oscillator").enter(1e-14)
+    assert sample.log == ["The tolerance 1e-14 is below what double precision allows; 1e-12 is taken instead."]
+    exact = Sample("oscillator").enter(1e-12)
+    assert exact.log == []
+    assert sample.exit().step(1.0) == exact.exit().step(1.0)
+    assert sample.get(1, 2) == exact.get(1, 2)
+
+
 def test_bad_steps_are_refused_and_leave_no_trace() -> None:
     sample = Sample("oscillator").enter(stop=1.0).exit()
     sample.step(0.5)

@@ -159,6 +159,11 @@ NOT_A_NUMBER = (
             "# tolerance: 1e-6 s",
             "1: 'tolerance' must be a number between 0 and 1 without a unit, found '1e-6 s'; write 1e-6",
         ),
+        (
+            "# tolerance: 1e-13",
+            "1: 'tolerance' is 1e-13; below 1e-12 rounding errors count for more than those of the method; "
+            "write 1e-12 or more",
+        ),
         ("# tolerance: 0", "1: 'tolerance' must be a number between 0 and 1 without a unit, found '0'; write 1e-6"),
         (
             "# set: plant.ext_load 4 N.m",

@@ -141,12 +141,11 @@ def export(
     """Compile a Modelica model into an FMU."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
-        from cosim.cli._builtin import check_target, explanation, export_model
+        from cosim.cli._builtin import check_target, export_model
 
         choice = check_target(platform, fmi)
         with warned(screen) as found, screen.working(f"compiling {model}"):
-            paths = export_model(file, model, out, choice, strict_units=strict_units)
-            text = explanation(file, model) if explain else None
+            paths, text = export_model(file, model, out, choice, strict_units=strict_units, explain=explain)
         document: dict[str, object] = {"fmu": str(paths[0]), "fmus": [str(path) for path in paths]}
         screen.document(document | {"explanation": text, "warnings": found})
         if text is not None:

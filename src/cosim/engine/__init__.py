@@ -1,6 +1,6 @@
 """Co-simulation of FMUs: sampled components act at their own instants, without delay; the others run in between."""
 
-from cosim.engine._arguments import Algorithm
+from cosim.engine._arguments import LEAST_TOLERANCE, Algorithm
 from cosim.engine._explain import explain_timing
 from cosim.engine._fmu import Fmu
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
@@ -10,6 +10,7 @@ from cosim.engine._system import Channel, Component, Connection, System
 from cosim.engine._variable import Value, Variable
 
 __all__ = [
+    "LEAST_TOLERANCE",
     "Algorithm",
     "Channel",
     "Component",

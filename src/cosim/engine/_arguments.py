@@ -8,6 +8,9 @@ from typing import Literal, get_args
 from cosim.engine._system import SAME_INSTANT
 from cosim.errors import InputError
 
+LEAST_TOLERANCE = 1e-12
+"""Relative tolerance below which a solver in double precision would follow rounding errors."""
+
 Algorithm = Literal["gauss-seidel", "jacobi"]
 """How the components of a system are stepped; see ``simulate``."""
 
@@ -20,6 +23,11 @@ def check_arguments(stop: float, output_interval: float, tolerance: float) -> No
     ):
         if not (math.isfinite(value) and value > 0.0):
             raise InputError(f"{name} is {value:g}{unit}; it must be above 0")
+    if tolerance < LEAST_TOLERANCE:
+        raise InputError(
+            f"tolerance is {tolerance:g}; below {LEAST_TOLERANCE:g} rounding errors count for more than those of the "
+            f"method; write {LEAST_TOLERANCE:g} or more"
+        )
     if output_interval < 1e-8:
         raise InputError(f"output_interval is {output_interval:g} s; it must be at least 1e-08 s")
 

@@ -20,7 +20,18 @@ def parameters_of(component: Component) -> dict[str, Value]:
     An enumeration may be given by the name of its literal, a Boolean as 0 or 1. Raises FmuError, naming the parameter,
     if the FMU has no such parameter, it cannot be set, or the value does not fit.
     """
-    return {name: _converted(component, name, value) for name, value in component.parameters.items()}
+    return {
+        name: _in_range(component, name, _converted(component, name, value))
+        for name, value in component.parameters.items()
+    }
+
+
+def _in_range(component: Component, name: str, value: Value) -> Value:
+    variable = component.fmu.variables[name]
+    if not isinstance(value, str) and (missed := variable.beyond(value)):
+        unit = f" {variable.unit}" if variable.unit not in (None, "1") else ""
+        raise FmuError(f"{dotted((component.name, name))} = {value:.12g}{unit} is {missed}")
+    return value
 
 
 def _converted(component: Component, name: str, value: Value) -> Value:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import operator
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -49,6 +50,20 @@ class Variable:
     minimum: float | None = None
     maximum: float | None = None
     binary: BinaryKind | None = None
+
+    def beyond(self, value: float) -> str | None:
+        """Tell which bound a value in this unit misses ("below its minimum 0 s"); None if it is within its range.
+
+        A bound that is missed by the rounding of a conversion of units is reached.
+        """
+        unit = f" {self.unit}" if self.unit not in (None, "1") else ""
+        for bound, missed, which in (
+            (self.minimum, operator.lt, "below its minimum"),
+            (self.maximum, operator.gt, "above its maximum"),
+        ):
+            if bound is not None and missed(value, bound) and not math.isclose(value, bound, rel_tol=1e-12):
+                return f"{which} {bound:.12g}{unit}"
+        return None
 
 
 def type_of(fmi_type: str) -> str | None:

@@ -8,8 +8,9 @@ if TYPE_CHECKING:
     from cosim.fmu.exporter import compile_model as compile_model
     from cosim.fmu.exporter import export as export
     from cosim.fmu.exporter import export_all as export_all
+    from cosim.fmu.exporter import pack_all as pack_all
 
-__all__ = ["compile_model", "export", "export_all"]
+__all__ = ["compile_model", "export", "export_all", "pack_all"]
 
 
 def __getattr__(name: str) -> object:

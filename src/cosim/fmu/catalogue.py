@@ -12,6 +12,7 @@ import tomllib
 import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 
 from cosim import __version__
@@ -73,7 +74,7 @@ def ensure(name: str, fmi: FmiVersion = "3.0") -> Path:
         InputError: there is no such entry.
         ModelError, BuildError: it cannot be built.
     """
-    return _build(_entry(name), build_folder(), fmi)[0]
+    return _build(entry_of(name), build_folder(), fmi)[0]
 
 
 def build(wanted: Iterable[str] | None = None, out: Path | None = None, fmi: FmiChoice = "3.0") -> list[Path]:
@@ -83,16 +84,22 @@ def build(wanted: Iterable[str] | None = None, out: Path | None = None, fmi: Fmi
         InputError: there is no such entry.
         ModelError, BuildError: one cannot be built.
     """
-    entries = [_entry(name) for name in (wanted or names())]
+    entries = [entry_of(name) for name in (wanted or names())]
     return [path for entry in entries for path in _build(entry, out or build_folder(), fmi)]
 
 
-def _entry(name: str) -> CatalogueEntry:
+def entry_of(name: str) -> CatalogueEntry:
+    """The entry with this name, or with an FMU of this name. Raises `InputError` if there is none."""
     known = names()
     for entry in known.values():
         if name in (entry.name, entry.fmu_name):
             return entry
-    raise InputError(f"there is no FMU {name!r} to build; there are {', '.join(known)}")
+    near = get_close_matches(name, [*known, *(entry.fmu_name for entry in known.values())], n=1)
+    hint = f", did you mean '{near[0]}'?" if near else ""
+    raise InputError(
+        f"no built-in plant or controller '{name}'{hint}; built in are {', '.join(known)}; "
+        "an FMU of your own is given by its path, ending in .fmu"
+    )
 
 
 def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice) -> list[Path]:

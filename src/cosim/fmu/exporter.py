@@ -70,6 +70,11 @@ def export_all(
 ) -> list[Path]:
     """Compile one class once and write it as an FMU of each chosen FMI version; see :func:`export`."""
     dae = compile_model(file, model, strict_units=strict_units)
+    return pack_all(dae, out, fmi=fmi, build_hash=build_hash)
+
+
+def pack_all(dae: Dae, out: Path, *, fmi: FmiChoice = "both", build_hash: str | None = None) -> list[Path]:
+    """Write a compiled model as an FMU of each chosen FMI version; see :func:`export`."""
     return [pack(dae, out, fmi=version, build_hash=build_hash) for version in versions_of(fmi)]
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cosim.engine import LEAST_TOLERANCE
 from cosim.errors import InputError
 from cosim.scenario._model import Link, Setting, suggestion
 from cosim.units import Unit, convert, parse, quantity
@@ -154,6 +155,11 @@ def _tolerance(value: str, place: _Place) -> float:
     number, unit = _quantity("tolerance", value, place)
     if unit.exponents or not 0 < number * unit.factor < 1:
         raise place.fail(f"'tolerance' must be a number between 0 and 1 without a unit, found '{value}'; write 1e-6")
+    if number * unit.factor < LEAST_TOLERANCE:
+        raise place.fail(
+            f"'tolerance' is {value}; below {LEAST_TOLERANCE:g} rounding errors count for more than those of the "
+            f"method; write {LEAST_TOLERANCE:g} or more"
+        )
     return number * unit.factor
 
 

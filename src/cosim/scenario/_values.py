@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import operator
 import re
 import warnings
 from pathlib import Path
@@ -25,17 +24,10 @@ def parameter_value(text: str, name: str, variable: Variable) -> float | int | b
 
 
 def check_range(value: float, name: str, variable: Variable) -> None:
-    """Raise `InputError` if a value, in the FMU's unit, is outside the range that the FMU declares.
-
-    A bound that is missed by the rounding of a conversion of units is reached.
-    """
-    unit = f" {variable.unit}" if variable.unit not in (None, "1") else ""
-    for bound, beyond, which in (
-        (variable.minimum, operator.lt, "below its minimum"),
-        (variable.maximum, operator.gt, "above its maximum"),
-    ):
-        if bound is not None and beyond(value, bound) and not math.isclose(value, bound, rel_tol=1e-12):
-            raise InputError(f"{name} = {value:.12g}{unit} is {which} {bound:.12g}{unit}")
+    """Raise `InputError` if a value, in the FMU's unit, is outside the range that the FMU declares."""
+    if missed := variable.beyond(value):
+        unit = f" {variable.unit}" if variable.unit not in (None, "1") else ""
+        raise InputError(f"{name} = {value:.12g}{unit} is {missed}")
 
 
 def _parameter_value(text: str, name: str, variable: Variable) -> float | int | bool | str:

@@ -90,6 +90,18 @@ int instance_log_events(Simulation *m, const char *function, bool on, size_t n, 
     return STATUS_OK;
 }
 
+/* Below this, rounding errors would be taken for errors of the method. */
+static const double LEAST_TOLERANCE = 1e-12;
+
+static void raise_tolerance(Simulation *m)
+{
+    char text[200];
+    snprintf(text, sizeof text, "The tolerance %g is below what double precision allows; %g is taken instead.",
+             m->s.tolerance, LEAST_TOLERANCE);
+    m->s.tolerance = LEAST_TOLERANCE;
+    if (m->log) m->log(m->log_context, LOG_WARNING, text);
+}
+
 bool instance_set_up(Simulation *m, bool has_tolerance, double tolerance, double start, bool has_stop, double stop)
 {
     State *s = &m->s;
@@ -102,8 +114,8 @@ bool instance_set_up(Simulation *m, bool has_tolerance, double tolerance, double
     else {
         s->t = start;
         s->stop = has_stop ? stop : INFINITY;
-        /* Below this, rounding errors would be taken for errors of the method. */
-        if (has_tolerance) s->tolerance = fmax(tolerance, 1e-12);
+        if (has_tolerance) s->tolerance = tolerance;
+        if (s->tolerance < LEAST_TOLERANCE) raise_tolerance(m);
         simulation_changed(m, false);
         return true;
     }
