@@ -18,7 +18,6 @@ pytest.importorskip("rumoca")
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "modelica" / "WiperDrive"
 MODELS = ROOT / "tests" / "models"
-SMALL, STIFF = MODELS / "Small", MODELS / "Stiff"
 COMPLETE = re.compile(r"^(?:model|block) (\w+)", re.M)
 
 
@@ -53,14 +52,24 @@ def model(*lines: str) -> str:
     )
 
 
-@pytest.mark.parametrize("name", complete_models(LIBRARY / "Systems") + complete_models(LIBRARY / "Tests"))
+def of_the_library() -> list[object]:
+    """Its complete models; those that hold the linkage plant once more take their time."""
+    names = [name for part in ("Systems", "Controllers", "Tests") for name in complete_models(LIBRARY / part)]
+    again = re.compile(r"ClosedLoop|Tests\.Linkage|RigEnergy")
+    return [pytest.param(name, marks=[pytest.mark.slow] if again.search(name) else []) for name in names]
+
+
+@pytest.mark.parametrize("name", of_the_library())
 def test_the_library_passes(name: str) -> None:
     assert check_units(flatten(Source.read(LIBRARY), f"WiperDrive.{name}")) == []
 
 
-@pytest.mark.parametrize("name", complete_models(SMALL) + complete_models(STIFF))
-def test_the_models_of_the_tests_pass(name: str) -> None:
-    assert check_units(flatten(Source.read(MODELS / name.partition(".")[0]), name)) == []
+@pytest.mark.parametrize("package", ["Small", "Stiff"])
+def test_the_models_of_the_tests_pass(tmp_path: Path, package: str) -> None:
+    # all as components of one model, which is flattened once
+    parts = "".join(f"  {name} part_{k};\n" for k, name in enumerate(complete_models(MODELS / package)))
+    text = f"{Source.read(MODELS / package).text}\nmodel All\n{parts}end All;\n"
+    assert mismatches(tmp_path, text, "All") == []
 
 
 @pytest.mark.parametrize("name", ["Language", "Algorithmic"])

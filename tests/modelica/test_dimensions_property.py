@@ -77,7 +77,7 @@ def model(equation: str, variables: list[Powers]) -> str:
     return f"model M\n{declarations}\nequation\n  {equation};\nend M;\n"
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_a_right_expression_passes_and_a_wrong_unit_in_it_is_found(tmp_path: Path, data: st.DataObject) -> None:
     expressions = Expressions(data)
