@@ -94,3 +94,19 @@ def test_an_initial_condition_that_the_equations_decide_is_named(tmp_path: Path)
         "4:3: M: one initial condition too many: the equations decide v = 2 (M.mo:4). Take fixed=true or an initial"
         " equation away"
     )
+
+
+def test_equations_that_say_one_thing_twice_are_named(tmp_path: Path) -> None:
+    body = "  Real x; Real y; Real z;\nequation\n  x - y = z;\n  x + y + z = 1 + time;\n  2*y + 2*z = 2*x;"
+    assert refusal(tmp_path, body) == (
+        "4:3: M: these equations say one thing twice, so that they leave something open (in a circuit, is there a"
+        " ground?): x - y = z (M.mo:4), 2 * y + 2 * z = 2 * x (M.mo:6)"
+    )
+
+
+def test_equations_that_depend_on_each_other_whatever_the_numbers_are_named(tmp_path: Path) -> None:
+    body = "  Real x; Real y; Real w;\n  parameter Real a = 2;\nequation\n  a*x + a*y = time;\n  x + y = 3;\n  w = x;"
+    assert refusal(tmp_path, body) == (
+        "5:3: M: these equations depend on each other, so that they do not determine x, y: a * x + a * y = time"
+        " (M.mo:5), x + y = 3 (M.mo:6)"
+    )

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from networks import Part, compile_network
 
 from cosim.dae import Dae
 from cosim.fmu import compile_model
@@ -141,3 +142,22 @@ def test_a_second_derivative_may_go_through_any_number_of_names(tmp_path: Path) 
     )
     assert len(dae.states) == 2
     assert dae.sizes.index == 1
+
+
+def test_a_coil_into_a_dead_end_is_no_state(tmp_path: Path) -> None:
+    # node 3 hangs on node 2 by two resistors, so no current comes through the coil; which cancellation alone shows
+    parts = [Part("R", 1, 1, 0), Part("L", 1, 1, 2), Part("R", 2, 2, 3), Part("R", 3, 2, 3)]
+    dae = compile_network(tmp_path, parts, 4)
+    assert dae.states == []
+    assert dae.torn == []
+
+
+def test_capacitors_side_by_side_off_the_ground_are_one_state(tmp_path: Path) -> None:
+    parts = [Part("C", 1, 1, 2), Part("C", 2, 1, 2), Part("R", 3, 2, 0)]
+    assert [state.name for state in compile_network(tmp_path, parts, 3).states] == ["p0.v"]
+
+
+def test_the_value_of_a_condition_is_not_taken_for_zero(tmp_path: Path) -> None:
+    dae = compile_text(tmp_path, "  Real x; Boolean b;\nequation\n  b = time > 1;\n  x = if b then 1 else 0;")
+    (published,) = [p.value for p in dae.published if p.scalar.name == "x"]
+    assert not published.is_constant()

@@ -10,16 +10,25 @@ import numpy as np
 
 from cosim.dae.chains import Alias, Chains, Node
 from cosim.dae.hybrid import SX, Equation, HybridSystem, Scalar
+from cosim.dae.integer import cancel
+from cosim.dae.structure import listed, placed
+from cosim.dae.symbolic import without_cancelled
 
 _PREFERENCE = {"never": 0, "avoid": 1, "default": 2, "prefer": 4, "always": 5}
 
 
 def eliminate_aliases(system: HybridSystem) -> Chains:
-    """Eliminate trivial equations until none is left."""
+    """Eliminate trivial equations until none is left, also those that appear when others are added up.
+
+    Raises:
+        ModelError: equations repeat or contradict each other.
+    """
     state = _Elimination(system)
-    while state.round():
-        pass
-    return state.chains()
+    while True:
+        while state.round():
+            pass
+        if not state.cancel():
+            return state.chains()
 
 
 def plain_chains(system: HybridSystem) -> Chains:
@@ -73,6 +82,29 @@ class _Elimination:
         self._equations = kept
         self._substitute()
         return True
+
+    def cancel(self) -> bool:
+        """Take out variables that cancel, in an equation or in sums of several; true if there were any."""
+        cleaned = [Equation(without_cancelled(e.residual), e.text, e.at) for e in self._equations]
+        if any(new.residual is not old.residual for new, old in zip(cleaned, self._equations, strict=True)):
+            self._equations = cleaned
+            return True
+        found = cancel(self._equations, self._is_algebraic)
+        if found.repeated:
+            source = self._system.source
+            raise source.error(
+                f"{self._system.name}: these equations say one thing twice, so that they leave something open (in a"
+                " circuit, is there a ground?): "
+                + listed([placed(source, self._equations[e]) for e in found.repeated]),
+                self._equations[found.repeated[0]].at,
+            )
+        for position, equation in found.replaced.items():
+            self._equations[position] = equation
+        return bool(found.replaced)
+
+    def _is_algebraic(self, name: str) -> bool:
+        """Whether this is the highest derivative of an unknown."""
+        return name in self._variables and name not in self._system.inputs and name not in self._derivatives
 
     def _trivial(self, residual: SX) -> tuple[list[tuple[str, float]], SX] | None:
         """(terms, rest) of a residual sum(sign * name) + rest with one or two unknowns, or ``None``."""

@@ -15,9 +15,9 @@ from cosim.dae.index_reduction import Differentiated, reduce_index
 from cosim.dae.initialization import initial_system
 from cosim.dae.lower import lower
 from cosim.dae.state_selection import Selection, select_states
-from cosim.dae.structure import check_structure, deficient, singular
+from cosim.dae.structure import check_structure, deficient, listed, placed, singular
 from cosim.dae.symbolic import evaluate, substitute
-from cosim.dae.tearing import Solution, solve
+from cosim.dae.tearing import Singular, Solution, solve
 from cosim.modelica.flat import FlatModel
 
 
@@ -66,13 +66,21 @@ def _solve(differentiated: Differentiated, selection: Selection, parameters: dic
     unknowns = [chains.symbol(node) for node in selection.unknowns]
     derivatives = {chains.symbol(Node(n.base, n.order + 1)).name() for n in states}
     residuals = [equation.residual for equation in differentiated.equations]
-    solution = solve(residuals, unknowns, derivatives, parameters)
+    labels = [chains.label(node) for node in selection.unknowns]
+    try:
+        solution = solve(residuals, unknowns, derivatives, parameters)
+    except Singular as part:
+        source, equations = chains.system.source, [differentiated.equations[e] for e in part.equations]
+        raise source.error(
+            f"{chains.system.name}: these equations depend on each other, so that they do not determine"
+            f" {listed([labels[j] for j in part.unknowns])}: {listed([placed(source, e) for e in equations])}",
+            equations[0].at,
+        ) from None
     if solution is None:
         column = {symbol.name(): j for j, symbol in enumerate(unknowns)}
         incidence = [[column[s.name()] for s in ca.symvar(r) if s.name() in column] for r in residuals]
         names = ", ".join(chains.label(node) for node in selection.states)
         what = f"{chains.system.name}: the states {names} do not determine the rest, choose others with StateSelect"
-        labels = [chains.label(node) for node in selection.unknowns]
         raise singular(what, chains, differentiated.equations, labels, deficient(incidence, len(unknowns)))
     return solution
 

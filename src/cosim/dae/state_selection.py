@@ -15,6 +15,7 @@ import numpy.typing as npt
 from cosim.dae.chains import Chains, Node
 from cosim.dae.hybrid import SX
 from cosim.dae.index_reduction import Differentiated
+from cosim.dae.rank import dependent_rows
 from cosim.dae.structure import listed, placed
 from cosim.dae.symbolic import evaluate
 
@@ -65,7 +66,7 @@ def select_states(system: Differentiated, values: dict[str, float]) -> Selection
         )
         chosen = _choose(jacobian, [_wish(chains, node) for node in candidates])
         if len(chosen) < len(group):
-            dependent = [system.origin(group[i]) for i in _dependent(jacobian)]
+            dependent = [system.origin(group[i]) for i in dependent_rows(jacobian, _REGULAR)]
             texts = listed([placed(chains.system.source, equation) for equation in dependent])
             raise chains.system.source.error(
                 f"{chains.system.name}: these constraints contradict or repeat each other at the start values, so that"
@@ -124,18 +125,6 @@ def _choose(jacobian: npt.NDArray[np.float64], wishes: list[float]) -> list[int]
             left = left - np.outer(direction, direction @ left)
             chosen.append(j)
     return chosen
-
-
-def _dependent(jacobian: npt.NDArray[np.float64]) -> list[int]:
-    """A smallest set of rows that are linearly dependent."""
-    size = np.linalg.norm(jacobian, axis=1, keepdims=True)
-    scaled = jacobian / np.where(size > 0, size, 1.0)
-    kept = list(range(len(scaled)))
-    for row in range(len(scaled)):
-        rest = [i for i in kept if i != row]
-        if np.linalg.matrix_rank(scaled[rest], _REGULAR) < len(rest):
-            kept = rest
-    return kept
 
 
 class _Point:

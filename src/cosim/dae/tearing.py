@@ -13,14 +13,18 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 import numpy as np
+import numpy.typing as npt
 
 from cosim.dae.blocks import triangular
 from cosim.dae.hybrid import SX
+from cosim.dae.rank import dependent_rows, has_full_rank
 from cosim.dae.symbolic import depends, evaluate, substitute
 
 CRAMER = 3
 """Systems up to this size are solved by Cramer's rule."""
 _POINTS = 5
+_TRIES = 50
+_SINGULAR = 1e-12
 
 
 @dataclass(frozen=True)
@@ -59,9 +63,22 @@ def solve(
         unknowns: as many symbols.
         tear_first: names of the unknowns that are preferred as tearing variables (derivatives of states).
         parameters: names and default values of the parameters.
+
+    Raises:
+        Singular: some of the equations depend on each other.
     """
     tearer = _Tearer(residuals, unknowns, tear_first, parameters)
     return tearer.solution if tearer.run() else None
+
+
+class Singular(Exception):  # noqa: N818 - not an error of the program, caught by the caller
+    """Some equations do not determine their unknowns, whatever the numbers in them are."""
+
+    def __init__(self, equations: list[int], unknowns: list[int]) -> None:
+        """Note which."""
+        super().__init__(equations, unknowns)
+        self.equations = equations
+        self.unknowns = unknowns
 
 
 class _Tearer:
@@ -94,6 +111,7 @@ class _Tearer:
 
     def _block(self, equations: list[int], columns: list[int]) -> None:
         start = len(self.solution.torn)
+        self._refuse_singular(equations, columns)
         if len(equations) == 1 and self._linear(equations, columns):
             (row,), (j,) = equations, columns
             self._regular.append(self._coefficient(row, j))
@@ -105,6 +123,25 @@ class _Tearer:
         torn = tuple(s.name() for s in self.solution.torn[start:])
         names = tuple(self._names[j] for j in columns)
         self.solution.blocks.append(Block(kind, names, torn, tuple(equations)))
+
+    def _refuse_singular(self, equations: list[int], columns: list[int]) -> None:
+        """Refuse a block that is singular for any values; ``Singular`` has the smallest part that is."""
+        unknown = ca.vertcat(*(self._unknowns[j] for j in columns))
+        jacobian = ca.densify(ca.jacobian(ca.vertcat(*(self._residuals[row] for row in equations)), unknown))
+        symbols = ca.symvar(jacobian)
+        function = ca.Function("J", [ca.vertcat(SX(0, 1), *symbols)], [jacobian])
+        # conditions of if-expressions among them: zero is false
+        random = np.random.default_rng(20180602)
+        conditions = [s.name() not in self._parameters and s.name() not in self._names for s in symbols]
+        for _ in range(_TRIES if any(conditions) else 1):
+            values = random.uniform(0.5, 1.5, len(symbols)) * (
+                1 - np.array(conditions) * random.integers(0, 2, len(symbols))
+            )
+            matrix: npt.NDArray[np.float64] = function(values).full()
+            if not np.isfinite(matrix).all() or has_full_rank(matrix, _SINGULAR):
+                return
+        rows, variables = dependent_rows(matrix, _SINGULAR), dependent_rows(matrix.T, _SINGULAR)
+        raise Singular([equations[i] for i in rows], [columns[i] for i in variables])
 
     def _coupled(self, equations: list[int], columns: list[int], *, linear: bool) -> None:
         """Solve a block of coupled equations."""
