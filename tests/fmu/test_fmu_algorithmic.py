@@ -1,4 +1,4 @@
-"""What functions, algorithms and initial sections give, at t = 0.97 s, all pieces in one FMU."""
+"""What functions, algorithms and initial sections give, at t = 0.97 s, all pieces in two FMUs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cosim.fmu import export
 
 pytest.importorskip("rumoca")
 
-ALGORITHMIC = Path(__file__).parents[1] / "models" / "Algorithmic.mo"
+MODELS = Path(__file__).parents[1] / "models"
 T = 0.97
 A = np.array([[1.0], [T]])
 C = A @ A.T
@@ -68,14 +68,49 @@ EXPECTED: dict[str, dict[str, float]] = {
 }  # fmt: skip
 
 
+S = 11 + 12 + 13 + 22 + 23
+SECTIONS: dict[str, dict[str, float]] = {
+    # x falls to 0.5 at 0.5 s, is set to 0.8, and falls to it again at 0.8 s, is set to 1.6
+    "branches": {"n": 112, "w": 1.6, "y": 1.6 - (T - 0.8)},
+    # ten ticks, the last at 0.9 s
+    "buffer": {"k": 2, "last": 0.5, "total": 0.6 + 0.7 + 0.8 + 0.9, **elements("v", [0.8, 0.9, 0.6, 0.7])},
+    "chain": {"y": 3 * (2 * T + 1) + 1, "z": 10 * T + 1 + 21},
+    "partial_1": {"y": 3, "z": 6},
+    "several": {
+        "a": 2 * (1 + T) + 1 + 2 * (1 + T), "b": 2 * (1 + T) + 1, "c": 2 * math.cos(T),
+        "d": 2 * math.sin(T) * math.sin(0.5), **elements("m", [[11, 12, 13], [-1, 22, 23]]), "s": S * T, "late": 1,
+        "n": 1,
+    },
+    "shift": {**elements("a", [0.9, 0.8, 0.7, 0.6]), **elements("b", [0.9, 0.8, 0.7, 0.6]), "both": 0},
+}  # fmt: skip
+
+
+def last_row(model: str, expected: dict[str, dict[str, float]], folder: Path) -> Any:  # noqa: ANN401 - a record
+    names = [f"{component}.{name}" for component, values in expected.items() for name in values]
+    fmu = export(MODELS / f"{model}.mo", model, folder)
+    return fmpy.simulate_fmu(str(fmu), stop_time=T, output_interval=T, relative_tolerance=1e-9, output=names)[-1]
+
+
 @pytest.fixture(scope="module")
 def last(tmp_path_factory: pytest.TempPathFactory) -> Any:  # noqa: ANN401 - a record of a structured array
-    names = [f"{component}.{name}" for component, values in EXPECTED.items() for name in values]
-    fmu = export(ALGORITHMIC, "Algorithmic", tmp_path_factory.mktemp("algorithmic"))
-    return fmpy.simulate_fmu(str(fmu), stop_time=T, output_interval=T, relative_tolerance=1e-9, output=names)[-1]
+    return last_row("Algorithmic", EXPECTED, tmp_path_factory.mktemp("algorithmic"))
+
+
+@pytest.fixture(scope="module")
+def last_of_sections(tmp_path_factory: pytest.TempPathFactory) -> Any:  # noqa: ANN401 - a record of a structured array
+    return last_row("Sections", SECTIONS, tmp_path_factory.mktemp("sections"))
 
 
 @pytest.mark.parametrize("component", sorted(EXPECTED))
 def test_each_piece_that_computes_step_by_step_gives_what_it_must(last: Any, component: str) -> None:  # noqa: ANN401
     found = {name: float(last[f"{component}.{name}"]) for name in EXPECTED[component]}
     assert found == pytest.approx(EXPECTED[component], rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("component", sorted(SECTIONS))
+def test_sections_that_the_front_end_refuses_give_what_they_must(
+    last_of_sections: Any,  # noqa: ANN401
+    component: str,
+) -> None:
+    found = {name: float(last_of_sections[f"{component}.{name}"]) for name in SECTIONS[component]}
+    assert found == pytest.approx(SECTIONS[component], rel=1e-6, abs=1e-6)

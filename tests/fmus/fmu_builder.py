@@ -139,11 +139,21 @@ PARCEL = Model(
         Described("set", 12, "output", "discrete", "Int32"),
     ),
 )
-MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, PARCEL)}
+FOREIGN = Model(
+    "foreign",
+    (
+        Described("u", 1, "input", start="0", unit="m"),
+        Described("kind", 2, "parameter", "fixed", "Int32", start="1"),
+        Described("T", 3, "parameter", "fixed", start="0.1", unit="s"),
+        Described("deaf", 4, "parameter", "fixed", start="0", unit="s"),
+        Described("y", 5, "output", "discrete", unit="m/s", depends=None),
+    ),
+)
+MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, PARCEL, FOREIGN)}
 
 
-def build(model: Model, fmi: int, folder: Path) -> Path:
-    """Compile and pack a model for FMI 2 or 3; return the path of the FMU."""
+def build(model: Model, fmi: int, folder: Path, *, variable_steps: bool = True) -> Path:
+    """Compile and pack a model for FMI 2 or 3; return the path of the FMU. It may claim to take equal steps only."""
     name = model.source
     library = folder / f"{name}{fmi}{fmpy.sharedLibraryExtension}"
     cc = shutil.which("cc") or shutil.which("gcc")
@@ -155,7 +165,10 @@ def build(model: Model, fmi: int, folder: Path) -> Path:
     platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
     path = folder / f"{name}{fmi}.fmu"
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", description(model, fmi))
+        text = description(model, fmi)
+        if not variable_steps:
+            text = text.replace('canHandleVariableCommunicationStepSize="true"', "")
+        archive.writestr("modelDescription.xml", text)
         archive.write(library, f"binaries/{platform}/{name}{fmpy.sharedLibraryExtension}")
     return path
 

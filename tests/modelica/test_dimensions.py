@@ -216,9 +216,11 @@ PACKAGE = """package P
     parameter Real m(unit="kg") = 2;
     parameter Real h(unit="m") = m*P.g;
     parameter Real E(unit="J") = P.two*P.g*m*h;
-    Pin pin; Pipe pipe;
+    Pin pin; Pipe pipe; Pin last;
+    Real power(unit="W") = pin.e*pin.f;
   equation
     connect(pin, pipe);
+    connect(pin, last);
   end M;
 end P;
 """
@@ -227,11 +229,12 @@ end P;
 def test_all_of_a_model_are_reported_at_once_and_those_of_a_class_once(tmp_path: Path) -> None:
     found = [str(m).partition("M.mo:")[2] for m in mismatches(tmp_path, PACKAGE, "P.M")]
     assert found == [
-        "7:5: pin.e = pipe.e: pin.e is in V, but pipe.e is in Pa",
-        "8:10: 0 = -pin.f + (-pipe.f): -pin.f is in A, but -pipe.f is in m3/s",
         "19:9: a.F = a.c * a.x ^ 2: a.F is in N, but a.c * a.x ^ 2 is in N.m (in 3 instances)",
         "22:38: d.c = 3: d.c is in N/m, but 3 is in N",
         "24:34: h = m * 9.81: h is in m, but m * 9.81 is in N",
+        "29:5: 0 = -pin.f + (-pipe.f) + (-last.f): -pin.f is in A, but -pipe.f is in m3/s",
+        "29:5: pin.e = pipe.e: pin.e is in V, but pipe.e is in Pa",
+        "29:5: pipe.e = last.e: pipe.e is in Pa, but last.e is in V",
     ]
 
 

@@ -36,9 +36,9 @@ MESSAGES = {
     " interval) and pre()",
     "ConnectInIf": "12:5: connect inside an if-equation is not supported; make one of the components"
     " conditional instead, as in: Component c if condition",
-    "ConnectedSources": "10:5: ConnectedSources is structurally singular: for first.p.i, second.p.i there is only 1"
-    " equation: 0 = first.p.i + second.p.i (ConnectedSources.mo:4); for first.p.v, second.p.v alone there are 3"
-    " equations: first.p.v = first.u (ConnectedSources.mo:10), second.p.v = second.u (ConnectedSources.mo:10),"
+    "ConnectedSources": "10:5: ConnectedSources is structurally singular: for first.p.i, second.p.i there is"
+    " only 1 equation: 0 = first.p.i + second.p.i (ConnectedSources.mo:4); for first.p.v, second.p.v alone there are"
+    " 3 equations: first.p.v = first.u (ConnectedSources.mo:10), second.p.v = second.u (ConnectedSources.mo:10),"
     " first.p.v = second.p.v (ConnectedSources.mo:3)",
     "ConstrainedInput": "7:3: x ^ 3 = u: the derivative of the input u would be needed here; an input cannot"
     " prescribe what is a state of the model. Prescribe a force, torque or voltage instead, or pass the input"
@@ -68,21 +68,26 @@ MESSAGES = {
     " String(x) and +",
     "MissingEquation": "2:3: MissingEquation has 1 equation for 2 unknowns: for x, force there is only 1"
     " equation: der(x) = -x + force (MissingEquation.mo:5)",
+    "MixedSection": "7:8: this algorithm section assigns a variable inside when and uses it outside, or the"
+    " other way round; put the when-statement into an algorithm section of its own",
     "NoUnit": f"2:3: x: 'grumble/s' is not a unit; {UNITS}",
     "NoValue": "2:13: the parameter k has no value; give it one",
+    "OrderInWhen": "7:5: v is assigned in this when-clause, and its new value used; where elements of arrays"
+    " are assigned, too, write an algorithm section, in which the order counts",
     "OutOfRange": "5:16: OutOfRange: subscript 4 for `x` is out of bounds for dimension of size 3 (MLS §10.5.1)",
     "OuterWithoutInner": "2:14: OuterWithoutInner: the outer `ambient` has no inner: declare one of that name"
     " around it",
     "Overconstrained": "18:3: Connections.root, branch and potentialRoot are not supported: connectors may not"
     " be overconstrained; give orientations by angles",
+    "RealToInteger": "6:3: n is of type Integer, but 2.5 * time is of type Real; use integer() to round it down",
     "Recursion": "6:34: Recursion.factorial calls itself; functions that call themselves are not supported,"
     " use a for-loop",
     "ReinitAlgebraic": "3:8: ReinitAlgebraic: reinit() of `y`, which is not a state: only what stands in der()"
     " can be reinitialised",
     "Ring": "2:18: Ring: cyclic dependency in parameter binding for 'a': parameters depend on each other in a ring",
-    "Singular": "7:3: Singular is structurally singular: for b, c there is only 1 equation: b + c = x (Singular.mo:10);"
-    " for x, a alone there are 3 equations: der(x) = -x (Singular.mo:7), a = 2 * x (Singular.mo:8), a = 3 * x + 1"
-    " (Singular.mo:9)",
+    "Singular": "7:3: Singular is structurally singular: for b, c there is only 1 equation: b + c = x"
+    " (Singular.mo:10); for x, a alone there are 3 equations: der(x) = -x (Singular.mo:7), a = 2 * x"
+    " (Singular.mo:8), a = 3 * x + 1 (Singular.mo:9)",
     "SpatialDistribution": "5:12: SpatialDistribution: spatialDistribution is not supported: transport delays"
     " keep no past here; divide the length into cells, with an equation each",
     "StateMachine": "10:3: StateMachine: initialState is not supported: state machines of Modelica 3.3 do not"
@@ -93,8 +98,9 @@ MESSAGES = {
     "Terminal": "4:8: terminal() is not supported: an FMU is not told when a simulation ends",
     "Text": "3:3: name: a String can be a parameter or constant, for messages; variables cannot",
     "ThreeDimensions": "2:3: t: arrays have at most two dimensions here",
-    "TooManyStarts": "3:3: TooManyStarts: one initial condition too many: these 2 determine only x: x = 1 (fixed start)"
-    " (TooManyStarts.mo:2), y = 2 (fixed start) (TooManyStarts.mo:3). Take fixed=true or an initial equation away",
+    "TooManyStarts": "3:3: TooManyStarts: one initial condition too many: these 2 determine only x: x = 1"
+    " (fixed start) (TooManyStarts.mo:2), y = 2 (fixed start) (TooManyStarts.mo:3). Take fixed=true or an initial"
+    " equation away",
     "TwoStarts": "3:3: y and x are the same variable but have different fixed start values",
     "UnassignedDiscrete": "3:3: b is discrete, but no equation or when-clause gives it a value",
     "UndefinedLocal": "1:7: UndefinedLocal: a function uses a variable that has no value yet, or ends without"

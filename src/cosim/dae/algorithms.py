@@ -41,6 +41,12 @@ def lower_algorithm(symbols: Symbols, algorithm: Algorithm) -> tuple[list[Equati
         state = {name: symbols.pre[name] if name in symbols.new else _start(symbols, name) for name in assigned}
         after = run(Evaluator(symbols, Mode.DISCRETE), algorithm.statements, state)
         for name in discrete:
+            if Evaluator(symbols, Mode.DISCRETE).varies(after[name]):
+                raise symbols.flat.source.error(
+                    f"{name} is discrete, but what is assigned to it changes between events; use a relation, integer()"
+                    " or when",
+                    algorithm.at,
+                )
             names = tuple(element_names(name, symbols.flat.variables[name].dimensions))
             assignments.append(Assignment(names, ca.vec(after[name]), None, f"{name} := ...", algorithm.at))
     return equations, assignments

@@ -136,8 +136,13 @@ class _Run:
                 state[f"{action.target}.{component}"] = evaluate.component(action.value, component)
             return
         value = evaluate(action.value)
+        before = state.get(action.target)
         if not action.subscripts:
-            state[action.target] = value
+            if before is not None and before.numel() != value.numel():
+                message = f"{action.target} has {before.numel()} elements but is assigned {value.numel()}"
+                raise self._error(message, action.at)
+            # a matrix of one row and a vector have the same elements
+            state[action.target] = value if before is None else ca.reshape(value, *before.shape)
             return
         if action.target not in state:
             raise self._error(f"{action.target} is not known here", action.at)
@@ -145,6 +150,9 @@ class _Run:
         numbers = ca.reshape(SX(ca.DM(list(range(whole.numel())))), *whole.shape)
         node = Reference(action.target, action.subscripts, action.at)
         chosen = evaluate.alike(locals={**evaluate.locals, action.target: numbers})(node)
+        if value.numel() not in (1, chosen.numel()):
+            message = f"{render(node)} has {chosen.numel()} elements but is assigned {value.numel()}"
+            raise self._error(message, action.at)
         for position, number in enumerate(ca.vertsplit(ca.vec(chosen))):
             new = value[position if value.numel() > 1 else 0]
             if number.is_constant():

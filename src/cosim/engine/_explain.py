@@ -12,8 +12,9 @@ from cosim.engine._instance import CallError, instantiate
 from cosim.engine._loop import run, run_jacobi
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Plan, make_plan, roles_of
+from cosim.engine._probe import probe
 from cosim.engine._record import Record, failure_message
-from cosim.engine._role import Role
+from cosim.engine._role import Role, period_of
 from cosim.engine._system import SAME_INSTANT, System, dotted
 from cosim.engine._trace import Component, Enough, Trace, TracedParticipant, Travel
 from cosim.errors import SimulationError
@@ -36,7 +37,8 @@ def explain_timing(
     For each component it gives the instants at which it is computed (period and phase, or a list), for each connection
     the first values that travel on it and the delay: the time from the instant for which the source has put a value
     out to that from which it acts at the target. It is found by running the loop over its tables, for about a dozen
-    instants of each discrete component. Raises as ``simulate`` does, SimulationError without a partial result.
+    instants of each discrete component. A component that is sampled without an event mode is also probed alone for the
+    delay inside it. Raises as ``simulate`` does, SimulationError without a partial result.
     """
     check_arguments(stop, output_interval, tolerance)
     check_step(algorithm, step, stop, output_interval)
@@ -49,6 +51,9 @@ def explain_timing(
     for participant in order:
         name = participant.instance.name
         lines.append(f"  {name:{width}}  {_component(trace.components[name], trace.roles[name], step)}")
+        if trace.roles[name] is Role.SAMPLED:
+            component = next(component for component in system.components if component.name == name)
+            lines.append(f"  {'':{width}}  {probe(component, step or period_of(component, output_interval))}")
     for title, ends in (("Connections", _connections(system)), ("Channels", _channels(system))):
         if ends:
             lines += ["", f"{title}:"]

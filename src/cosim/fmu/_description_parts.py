@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 
 from cosim import __version__
 from cosim.dae import Dae
@@ -75,9 +77,17 @@ def declarations(layout: Layout) -> list[Variable]:
 
 
 def enumerations(layout: Layout) -> dict[str, tuple[str, ...]]:
-    """The names of the enumeration types, and the literals of each, which count from 1."""
-    found = (v.literals for v in declarations(layout) if v.type == "Enumeration")
-    return {_type_name(literals): literals for literals in found}
+    """The names of the enumeration types, and the literals of each, which count from 1.
+
+    A name is made of the literals, and unlike that of any variable and of any other type, as FMI 3.0 demands.
+    """
+    taken = {slot.name for slot in layout.slots}
+    types: dict[str, tuple[str, ...]] = {}
+    for literals in dict.fromkeys(v.literals for v in declarations(layout) if v.type == "Enumeration"):
+        plain = "Enumeration_" + "_".join(literals)
+        names = itertools.chain([plain], (f"{plain}_{count}" for count in itertools.count(2)))
+        types[next(name for name in names if name not in taken and name not in types)] = literals
+    return types
 
 
 def general_attributes(reference: int, slot: Slot) -> dict[str, str]:
@@ -95,14 +105,14 @@ def general_attributes(reference: int, slot: Slot) -> dict[str, str]:
     return attributes
 
 
-def typed_attributes(slot: Slot) -> dict[str, str]:
-    """The attributes of a variable that depend on its type."""
+def typed_attributes(slot: Slot, types: Mapping[tuple[str, ...], str]) -> dict[str, str]:
+    """The attributes of a variable that depend on its type; ``types`` has the names of enumerations."""
     attributes: dict[str, str] = {}
     if slot.store == "STORE_TIME":
         attributes["unit"] = "s"
     declaration = slot.scalar.declaration if slot.scalar is not None else None
     if declaration is not None and declaration.type == "Enumeration":
-        attributes["declaredType"] = _type_name(declaration.literals)
+        attributes["declaredType"] = types[declaration.literals]
     if declaration is not None and declaration.type == "Real":
         if declaration.unit:
             attributes["unit"] = declaration.unit
@@ -126,10 +136,6 @@ def document(root: ET.Element) -> bytes:
     ET.indent(root)
     text: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
-
-
-def _type_name(literals: tuple[str, ...]) -> str:
-    return "Enumeration_" + "_".join(literals)
 
 
 def _start(slot: Slot, start: float) -> str:

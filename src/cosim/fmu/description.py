@@ -40,12 +40,14 @@ def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         hasEventMode="true",
     )
     parts.add_units(root, layout)
-    _types(root, layout)
+    types = parts.enumerations(layout)
+    _types(root, types)
     parts.add_log_categories(root, discard=False)
     parts.add_experiment(root)
     variables = ET.SubElement(root, "ModelVariables")
+    names = {literals: name for name, literals in types.items()}
     for reference, slot in enumerate(layout.slots):
-        attributes = parts.general_attributes(reference, slot) | parts.typed_attributes(slot)
+        attributes = parts.general_attributes(reference, slot) | parts.typed_attributes(slot, names)
         ET.SubElement(variables, _ELEMENTS[slot.type], attributes)
     structure = ET.SubElement(root, "ModelStructure")
     for element, wanted in (("Output", {"output"}), ("InitialUnknown", {"output", "calculatedParameter"})):
@@ -55,8 +57,7 @@ def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
     return parts.document(root)
 
 
-def _types(root: ET.Element, layout: Layout) -> None:
-    enumerations = parts.enumerations(layout)
+def _types(root: ET.Element, enumerations: dict[str, tuple[str, ...]]) -> None:
     if not enumerations:
         return
     definitions = ET.SubElement(root, "TypeDefinitions")

@@ -40,19 +40,20 @@ def describe2(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         canSerializeFMUstate="true",
     )
     parts.add_units(root, layout)
-    _types(root, layout)
+    types = parts.enumerations(layout)
+    _types(root, types)
     parts.add_log_categories(root, discard=True)
     parts.add_experiment(root)
     variables = ET.SubElement(root, "ModelVariables")
+    names = {literals: name for name, literals in types.items()}
     for reference, slot in enumerate(layout.slots):
         variable = ET.SubElement(variables, "ScalarVariable", parts.general_attributes(reference, slot))
-        ET.SubElement(variable, _ELEMENTS[slot.type], parts.typed_attributes(slot))
+        ET.SubElement(variable, _ELEMENTS[slot.type], parts.typed_attributes(slot, names))
     _structure(root, layout)
     return parts.document(root)
 
 
-def _types(root: ET.Element, layout: Layout) -> None:
-    enumerations = parts.enumerations(layout)
+def _types(root: ET.Element, enumerations: dict[str, tuple[str, ...]]) -> None:
     if not enumerations:
         return
     definitions = ET.SubElement(root, "TypeDefinitions")

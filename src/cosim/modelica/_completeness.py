@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from cosim.modelica._carry import MARK
 from cosim.modelica._scan import Scan, Statement, scan
 from cosim.modelica.expressions import Expression, children, references
 from cosim.modelica.flat import Action, Conditional, FlatModel, Loop, When, While, reads
@@ -53,6 +54,7 @@ def _used(flat: FlatModel) -> set[str]:
 
 def _check_statements(flat: FlatModel, found: Scan, model_at: int | None) -> None:
     places = sorted(_places(flat))
+    text = flat.source.text.encode()
     classes = {found.class_of(variable.at) for variable in flat.variables.values()}
     if model_at is not None:
         classes.add(found.class_of(model_at))
@@ -64,6 +66,8 @@ def _check_statements(flat: FlatModel, found: Scan, model_at: int | None) -> Non
                 statement.at,
             )
         if statement.kind not in ("when", "assert", "terminate") or statement.class_at not in classes:
+            continue
+        if statement.kind != "when" and MARK.encode() in text[statement.at : statement.end]:
             continue
         if statement.class_kind == "function" or any(statement.at <= place < statement.end for place in places):
             continue

@@ -1,10 +1,11 @@
-"""Finds units in the text that the flat model has lost: of package constants, replaced by their values, and of the
-variables of functions.
+"""Finds in the text what the flat model has lost: units of package constants, which it replaces by their values, and of
+functions' variables, and the place of a connection.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 
 from cosim.modelica.expressions import Binary, Expression, Literal, Reference, Unary, children
 from cosim.modelica.flat import Local
@@ -12,6 +13,7 @@ from cosim.modelica.quantity import NUMBER, UNKNOWN, Quantity, declared
 from cosim.modelica.source import Source
 
 _NAME = re.compile(rb"[A-Za-z_][\w.]*")
+_CONNECT = re.compile(rb"\bconnect\s*\(\s*([\w.]+)\s*,\s*([\w.]+)\s*\)")
 _UNIT = re.compile(r'\bunit\s*=\s*"([^"]*)"')
 
 
@@ -23,6 +25,10 @@ class DeclaredUnits:
         self._text = source.text
         self._bytes = source.text.encode()
         self._constants: dict[str, Quantity] = {}
+        self._connects = [
+            (match.group(1).decode(), match.group(2).decode(), match.start())
+            for match in _CONNECT.finditer(self._bytes)
+        ]
 
     def constant(self, node: Expression) -> Quantity | None:
         """The quantity of the constant that a literal expression stands for; None if it is none.
@@ -40,6 +46,24 @@ class DeclaredUnits:
             self._constants[last] = _declared(self._text, last)
         return self._constants[last]
 
+    def connection(self, names: Collection[str], variables: Collection[str]) -> int | None:
+        """Place of the first ``connect`` that joins connectors with these names of variables to each other.
+
+        Of a set of several connectors not each pair is connected directly; then it is the first that joins one of them
+        to any other of the model's ``variables``. None if there is none.
+        """
+        joined = _connectors(names)
+        return self._connect(joined, joined) or self._connect(joined, _connectors(variables))
+
+    def _connect(self, these: set[str], those: set[str]) -> int | None:
+        for left, right, at in self._connects:
+            for own, other in ((left, right), (right, left)):
+                # both paths begin in the component that holds the connect
+                inside = (name[: -len(own)] for name in these if name == own or name.endswith(f".{own}"))
+                if any(component + other in those for component in inside):
+                    return at
+        return None
+
     def local(self, variable: Local) -> Quantity:
         """The quantity of a function's variable, whose place is that of its type's name in the declaration."""
         if variable.type == "Integer":
@@ -54,6 +78,11 @@ class DeclaredUnits:
         unit = _UNIT.search(match.group(3) or "")
         text = unit.group(1) if unit else _unit_of_type(self._text, match.group(1).rpartition(".")[2])
         return UNKNOWN if text is None else declared(text) or UNKNOWN
+
+
+def _connectors(variables: Collection[str]) -> set[str]:
+    """The variables themselves, since a signal connector is one, and what they are in."""
+    return {*variables, *(name.rpartition(".")[0] for name in variables)}
 
 
 def _stands_for_a_name(node: Expression) -> bool:

@@ -87,26 +87,31 @@ def derivatives_of_expressions(text: bytes) -> list[int]:
 
 
 @dataclass(frozen=True)
-class _Token:
+class Token:
+    """A name, number or mark; texts and comments are none."""
+
     text: str
     is_name: bool
     at: int
     end: int
 
 
-def _tokens(text: bytes) -> Iterator[_Token]:
+def tokens_of(text: bytes) -> list[Token]:
+    """The tokens of a text; offsets are in bytes."""
+    return list(_tokens(text))
+
+
+def _tokens(text: bytes) -> Iterator[Token]:
     for match in _TOKEN.finditer(text):
         if match.lastgroup in ("name", "mark", "number"):
-            yield _Token(
-                match.group().decode("utf-8", "replace"), match.lastgroup == "name", match.start(), match.end()
-            )
+            yield Token(match.group().decode("utf-8", "replace"), match.lastgroup == "name", match.start(), match.end())
 
 
 class _Scanner:
     def __init__(self, text: bytes) -> None:
         self.result = Scan()
         self._classes: list[_Class] = []
-        self._statement: list[_Token] = []
+        self._statement: list[Token] = []
         """Tokens since the statement or declaration began."""
         self._depth = 0
         tokens = list(_tokens(text))
@@ -114,7 +119,7 @@ class _Scanner:
         while position < len(tokens):
             position = self._next(tokens, position)
 
-    def _next(self, tokens: list[_Token], position: int) -> int:
+    def _next(self, tokens: list[Token], position: int) -> int:
         token = tokens[position]
         following = tokens[position + 1].text if position + 1 < len(tokens) else ""
         if token.text in "([{":
@@ -146,7 +151,7 @@ class _Scanner:
     def _in_expression(self) -> bool:
         return bool(self._statement) and [t.text for t in self._statement] not in (["initial"], ["encapsulated"])
 
-    def _begin_class(self, tokens: list[_Token], position: int) -> int:
+    def _begin_class(self, tokens: list[Token], position: int) -> int:
         start = position
         while position + 1 < len(tokens) and tokens[position + 1].text in (*_CLASSES, "pure", "impure"):
             position += 1
@@ -161,7 +166,7 @@ class _Scanner:
         self._classes.append(_Class(kind, tokens[start].at))
         return position + 2
 
-    def _end(self, tokens: list[_Token], position: int) -> int:
+    def _end(self, tokens: list[Token], position: int) -> int:
         word = tokens[position + 1] if position + 1 < len(tokens) else tokens[position]
         if not self._classes:
             return position + 1
@@ -176,7 +181,7 @@ class _Scanner:
         self._statement.clear()
         return position + 2
 
-    def _opens(self, token: _Token) -> bool:
+    def _opens(self, token: Token) -> bool:
         """Take ``then``, ``loop`` and ``else`` as part of a statement where they do not belong to an expression."""
         words = [t.text for t in self._statement]
         current = self._classes[-1]
@@ -195,7 +200,7 @@ class _Scanner:
         self._statement.clear()
         return True
 
-    def _end_statement(self, token: _Token) -> None:
+    def _end_statement(self, token: Token) -> None:
         first = self._statement[0] if self._statement else token
         if self._in_code():
             if first.text in _WATCHED:
@@ -229,5 +234,5 @@ class _Scanner:
             self.result.statements.append(Statement(kind, at, end, inside, current.section, current.kind, current.at))
 
 
-def _names(tokens: list[_Token]) -> set[str]:
+def _names(tokens: list[Token]) -> set[str]:
     return {t.text for t in tokens if t.is_name} - _WORDS

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
-from cosim.errors import ModelError
 from cosim.modelica._expressions import ExpressionReader, Tree, place, tag
 from cosim.modelica.expressions import Expression, Literal, Output, Reference, UserCall
 from cosim.modelica.flat import (
@@ -26,6 +26,31 @@ from cosim.modelica.flat import (
     targets,
 )
 from cosim.modelica.source import Source
+
+
+def separated(source: Source, statements: Sequence[Action | When], at: int) -> tuple[Algorithm, list[When]]:
+    """An algorithm section without its when-statements, which act at events, and these.
+
+    Raises:
+        ModelError: taking the two apart would change what a statement sees.
+    """
+    whens = [statement for statement in statements if isinstance(statement, When)]
+    actions = tuple(statement for statement in statements if not isinstance(statement, When))
+    assigned, at_events = list(targets(actions)), set(targets(tuple(whens)))
+    wrong = next(iter(whens), None) if at_events & set(assigned) else None
+    used: set[str] = set()
+    for statement in statements:
+        if not isinstance(statement, When):
+            used |= set(reads((statement,)))
+        elif used & at_events or any(assigned.count(name) > 1 for name in reads((statement,))):
+            wrong = statement
+    if wrong is not None:
+        raise source.error(
+            "this algorithm section assigns a variable inside when and uses it outside, or the other way round; put the"
+            " when-statement into an algorithm section of its own",
+            wrong.at,
+        )
+    return Algorithm(actions, at), whens
 
 
 class StatementReader:
@@ -89,21 +114,8 @@ class StatementReader:
             ModelError: taking the two apart would change what a statement sees.
         """
         statements = [self._statement(statement) for statement in node["statements"]]
-        whens = [statement for statement in statements if isinstance(statement, When)]
-        actions = tuple(statement for statement in statements if not isinstance(statement, When))
         at = place(node) or (statements[0].at if statements else 0)
-        assigned, at_events = list(targets(actions)), set(targets(tuple(whens)))
-        used: set[str] = set()
-        for statement in statements:
-            if isinstance(statement, When) and any(assigned.count(name) > 1 for name in reads((statement,))):
-                raise self._mixed(statement.at)
-            if not isinstance(statement, When):
-                used |= set(reads((statement,)))
-            elif used & at_events:
-                raise self._mixed(statement.at)
-        if at_events & set(assigned):
-            raise self._mixed(at)
-        return Algorithm(actions, at), whens
+        return separated(self._source, statements, at)
 
     def initial_algorithm(self, node: Tree) -> Algorithm:
         """An initial algorithm section."""
@@ -111,13 +123,6 @@ class StatementReader:
         if whens:
             raise self._source.error("when has no place in an initial algorithm", whens[0].at)
         return algorithm
-
-    def _mixed(self, at: int) -> ModelError:
-        return self._source.error(
-            "this algorithm section assigns a variable inside when and uses it outside, or the other way round; put the"
-            " when-statement into an algorithm section of its own",
-            at,
-        )
 
     def function(self, node: Tree) -> Function:
         """A function or the constructor of a record.

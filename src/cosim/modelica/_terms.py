@@ -72,7 +72,7 @@ class Terms:
     def __init__(self, flat: FlatModel) -> None:
         """Read the declared units; variables without are open if an equation may settle their unit."""
         self._flat = flat
-        self._units = DeclaredUnits(flat.source)
+        self.units = DeclaredUnits(flat.source)
         self._quantities: dict[str, Quantity] = {}
         self._reasons: dict[str, str] = {}
         self.open: set[str] = set()
@@ -172,7 +172,7 @@ class Terms:
     def own(self, function: Function) -> dict[str, Quantity]:
         """The variables of a function with their declared units; without a unit they fit any."""
         variables = (*function.inputs, *function.outputs, *function.locals)
-        return {variable.name: self._units.local(variable) for variable in variables}
+        return {variable.name: self.units.local(variable) for variable in variables}
 
     def _user_call(self, node: UserCall, position: int) -> Quantity:
         quantities = [self.quantity(argument) for argument in node.arguments]
@@ -180,7 +180,7 @@ class Terms:
         if function is None or function.is_constructor or position >= len(function.outputs):
             return UNKNOWN
         for argument, given, declared_input in zip(node.arguments, quantities, function.inputs, strict=False):
-            wanted = self._units.local(declared_input)
+            wanted = self.units.local(declared_input)
             self._solve(given, wanted)
             if given.free or not given.known or wanted.free or not wanted.known:
                 continue
@@ -188,7 +188,7 @@ class Terms:
             if problem is not None:
                 text = f"the argument {render(argument)} of {function.name}() is in {given}, but"
                 self._found(argument, given, f"{text} the input {declared_input.name} is in {wanted}{problem}")
-        return self._units.local(function.outputs[position])
+        return self.units.local(function.outputs[position])
 
     # expressions
 
@@ -198,7 +198,7 @@ class Terms:
             case Literal(value=bool()) | Literal(value=str()):
                 return UNKNOWN
             case Literal():
-                return self._units.constant(node) or NUMBER
+                return self.units.constant(node) or NUMBER
             case Reference(name="time"):
                 return TIME
             case Reference(name=name):
@@ -206,10 +206,10 @@ class Terms:
                     self.quantity(child)
                 return self.scope[name] if name in self.scope else self._quantities.get(name, UNKNOWN)
             case Unary(operator=operator, operand=operand):
-                inner = self._units.constant(node) or self.quantity(operand)
+                inner = self.units.constant(node) or self.quantity(operand)
                 return UNKNOWN if operator == "not" else inner
             case Binary():
-                return self._units.constant(node) or self._binary(node)
+                return self.units.constant(node) or self._binary(node)
             case If(branches=branches, otherwise=otherwise):
                 for condition, _ in branches:
                     self.quantity(condition)

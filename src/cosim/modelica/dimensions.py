@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from cosim.errors import ModelError
 from cosim.modelica._terms import Finding, Terms
-from cosim.modelica.expressions import Binary, Expression, Reference, render, render_equation
+from cosim.modelica.expressions import Binary, Expression, Reference, references, render, render_equation
 from cosim.modelica.flat import (
     Action,
     Assertion,
@@ -62,11 +62,13 @@ def check_units(flat: FlatModel) -> list[UnitMismatch]:
     terms = Terms(flat)
     _infer(flat, terms)
     findings: dict[tuple[int, str], list[tuple[str, Finding]]] = {}
-    for text, at, visit in _Everything(flat, terms):
+    for text, at, visit, joined in _Everything(flat, terms):
         terms.findings.clear()
         visit()
         for finding in dict.fromkeys(terms.findings):
-            key = finding.at or at, finding.units
+            # a connection's own place is that of the variable in the connector's class
+            connect = None if joined is None else terms.units.connection(joined, flat.variables)
+            key = connect or finding.at or at, finding.units
             findings.setdefault(key, []).append((text, finding))
     mismatches = []
     for (at, _), found in sorted(findings.items(), key=lambda item: item[0][0]):
@@ -112,7 +114,8 @@ class _Visit:
         self._terms.scope = {}
 
 
-_Item = tuple[str, int, _Visit]
+_Item = tuple[str, int, _Visit, frozenset[str] | None]
+"""Text, place, check, and what it joins if it follows from a connection."""
 
 
 class _Everything:
@@ -128,7 +131,9 @@ class _Everything:
         for variable in flat.variables.values():
             yield from self._declaration(variable)
         for equation in (*flat.equations, *flat.initial_equations):
-            yield self._item(render_equation(equation.residual), equation.at, _sides(equation.residual))
+            text, at, visit, _ = self._item(render_equation(equation.residual), equation.at, _sides(equation.residual))
+            connected = equation.origin.startswith(("Connection", "FlowSum"))
+            yield text, at, visit, frozenset(references(equation.residual)) if connected else None
         yield from self._actions((*flat.whens, *flat.assertions))
         for algorithm in (*flat.algorithms, *flat.initial_algorithms):
             yield from self._actions(algorithm.statements)
@@ -137,7 +142,7 @@ class _Everything:
             yield from self._function(function)
 
     def _item(self, text: str, at: int, *pairs: tuple[Expression, Expression] | Expression) -> _Item:
-        return text, at, _Visit(self._terms, self._scope, pairs)
+        return text, at, _Visit(self._terms, self._scope, pairs), None
 
     def _declaration(self, variable: Variable) -> Iterator[_Item]:
         name = Reference(variable.name, (), variable.at)
@@ -214,7 +219,7 @@ def _infer(flat: FlatModel, terms: Terms) -> None:
     found = True
     while found and terms.open:
         found = False
-        for text, at, visit in visits:
+        for text, at, visit, _ in visits:
             terms.solved.clear()
             visit()
             for name, powers in terms.solved.items():

@@ -15,7 +15,9 @@ from typing import Any
 
 from cosim.errors import BuildError, ModelError
 from cosim.modelica import _reader
+from cosim.modelica._carry import carry
 from cosim.modelica._explain import AT, explain, offset
+from cosim.modelica._recover import recover
 from cosim.modelica._scan import derivatives_of_expressions
 from cosim.modelica.flat import FlatModel
 from cosim.modelica.source import Source
@@ -25,6 +27,8 @@ _DERIVATIVE = re.compile(r"\bder\s*\((?![\w\s.,:\[\]]*\))")
 """``der`` of more than a variable, perhaps in a comment."""
 _BALANCE = re.compile(r"unbalanced model: .*\(balance = (-?\d+)\)")
 _PANIC = re.compile(r'detail: "(.*?)", span: .*?start: BytePos\((\d+)\)', re.DOTALL)
+_STATEMENTS = re.compile(r"model algorithm|when assignment|when function-call|when-equation LHS")
+"""In what rumoca says when it refuses statements that it can flatten."""
 _PROBE = "CosimBalanceProbe"
 
 
@@ -49,10 +53,12 @@ def flatten(source: Source, model: str) -> FlatModel:
     try:
         tree = _tree(rumoca, source, source.text, model)
     except rumoca.RumocaError as error:
-        unbalanced = _flatten_unbalanced(rumoca, source, model, str(error))
-        if unbalanced is None:
+        flat = _flatten_unbalanced(rumoca, source, model, str(error))
+        if flat is None and _STATEMENTS.search(str(error)):
+            flat = _flatten_carried(rumoca, source, model)
+        if flat is None:
             raise explain(source, model, str(error)) from None
-        return unbalanced
+        return flat
     if tree["is_partial"]:
         raise source.error(
             f"{model} is partial, a basis for other models; compile one that extends it", source.find_class(model)
@@ -131,6 +137,19 @@ def _flatten_unbalanced(rumoca: Any, source: Source, model: str, message: str) -
         variables={name: v for name, v in flat.variables.items() if v.at < end},
         equations=tuple(equation for equation in flat.equations if equation.at < end),
     )
+
+
+def _flatten_carried(rumoca: Any, source: Source, model: str) -> FlatModel | None:  # noqa: ANN401 - a module
+    """The flat model where rumoca refuses algorithm sections; ``None`` if this is not the way."""
+    carried = carry(source)
+    if carried is None:
+        return None
+    text, steps = carried
+    try:
+        flat: FlatModel | None = _reader.read(_tree(rumoca, text, text.text, model), model, text)
+    except rumoca.RumocaError as error:
+        flat = _flatten_unbalanced(rumoca, text, model, str(error))
+    return None if flat is None else recover(flat, steps)
 
 
 def _check_syntax(source: Source, rumoca: Any) -> None:  # noqa: ANN401 - a module

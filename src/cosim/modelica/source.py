@@ -58,6 +58,20 @@ class Source:
             builder.add(path, 0, _decode(path))
         return builder.source()
 
+    def rearranged(self, chunks: list[tuple[bytes, int]]) -> Source:
+        """Another text, put together from chunks; with each goes the offset in this one that it comes from."""
+        pieces: list[tuple[int, Path, int]] = []
+        length = 0
+        for text, origin in chunks:
+            # a chunk may run over several files
+            first = max(0, bisect.bisect_right(self._pieces, origin, key=lambda piece: piece[0]) - 1)
+            for start, file, base in self._pieces[first:]:
+                if start >= origin + max(1, len(text)):
+                    break
+                pieces.append((length + max(0, start - origin), file, base + max(0, origin - start)))
+            length += len(text)
+        return Source(b"".join(text for text, _ in chunks).decode(), self.files, pieces)
+
     def place(self, offset: int) -> Place:
         """File, line and column of a byte offset in the text."""
         index = max(0, bisect.bisect_right(self._pieces, offset, key=lambda piece: piece[0]) - 1)
