@@ -62,16 +62,17 @@ def compiled(text: str, model: str, folder: Path) -> tuple[Dae, str]:
 
 
 def without_names(code: str) -> str:
-    """Identifiers numbered in the order of appearance; comments and strings gone."""
+    """Identifiers numbered in the order of appearance; comments, strings and the length of lines gone."""
     said = re.compile(r'/\*.*?\*/|"(?:\\.|[^"\\])*"', re.DOTALL)
     code = re.sub(r"#include.*", "", said.sub("", code))
     interface = set(re.findall(r"\w+", said.sub("", (RUNTIME / "model.h").read_text(encoding="utf-8"))))
     seen: dict[str, str] = {}
-    return re.sub(
+    numbered = re.sub(
         r"[A-Za-z_]\w*",
         lambda match: match.group() if match.group() in interface else seen.setdefault(match.group(), f"n{len(seen)}"),
         code,
     )
+    return " ".join(re.findall(r"\w+|[^\w\s]", numbered))
 
 
 @pytest.mark.parametrize("salt", ["first", pytest.param("second", marks=pytest.mark.slow)])

@@ -9,7 +9,7 @@ import casadi as ca
 from cosim.dae.alias import eliminate_aliases, plain_chains
 from cosim.dae.chains import Chains, Node
 from cosim.dae.constraints import constraints_of
-from cosim.dae.dae import Dae, Published, Reset, Sizes, Unknown
+from cosim.dae.dae import Computed, Dae, Published, Reset, Sizes, Unknown
 from cosim.dae.hybrid import SX, HybridSystem, Scalar
 from cosim.dae.index_reduction import Differentiated, reduce_index
 from cosim.dae.initialization import initial_system
@@ -120,6 +120,7 @@ class _Assembly:
         )
         conditions = self._conditions()
         initial_residuals, initial_texts, kept = initial_system(system, states, torn, algebraic, conditions)
+        remarks = self._remarks()
         return Dae(
             name=system.name,
             description=system.description,
@@ -153,10 +154,22 @@ class _Assembly:
             published=self._published(),
             aliases={name: alias.text for name, alias in chains.aliases.items() if name in system.unknowns},
             blocks=self._solution.blocks,
+            equations=[system.source.with_line(e.text, e.at) for e in self._differentiated.equations],
             sizes=sizes,
             constraints=constraints_of(self._selection, self._differentiated, self.resolve),
-            continuous_solution=[(s.name(), self._values[s.name()]) for s, _ in self._solution.steps],
+            computed=[Computed(s.name(), self._values[s.name()], remarks[s.name()]) for s, _ in self._solution.steps],
         )
+
+    def _remarks(self) -> dict[str, str]:
+        """From what each unknown is computed: its equation, or the number of its block as in ``explain``."""
+        remarks: dict[str, str] = {}
+        coupled = 0
+        for block in self._solution.blocks:
+            coupled += block.kind != "explicit"
+            equation = self._differentiated.equations[block.equations[0]]
+            remark = equation.text if block.kind == "explicit" else f"block {coupled}"
+            remarks |= dict.fromkeys(block.unknowns, remark)
+        return remarks
 
     def _unknown(self, node: Node) -> Unknown:
         """A fixed start value counts most, then the first that says something."""

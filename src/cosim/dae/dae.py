@@ -31,6 +31,15 @@ class Published:
 
 
 @dataclass(frozen=True)
+class Computed:
+    """An unknown that is computed, its value in terms of the Dae's arguments, and from what, as text."""
+
+    name: str
+    value: SX
+    remark: str
+
+
+@dataclass(frozen=True)
 class Reset:
     """The state at ``index`` gets ``value`` when ``guard`` is true at an event."""
 
@@ -89,11 +98,13 @@ class Dae:
     aliases: dict[str, str]
     """What each eliminated variable equals, as text."""
     blocks: list[Block]
+    equations: list[str]
+    """Text and place of the equations after index reduction; blocks refer to them by number."""
     sizes: Sizes
     constraints: list[Constraints] = field(default_factory=list)
     """Where the choice of states could become wrong."""
-    continuous_solution: list[tuple[str, SX]] = field(default_factory=list)
-    """Every explicitly computed unknown, in the order of computation, in terms of the arguments."""
+    computed: list[Computed] = field(default_factory=list)
+    """Every explicitly computed unknown, in the order of computation."""
 
     @property
     def unknowns(self) -> list[Unknown]:
@@ -114,6 +125,11 @@ class Dae:
     def z(self) -> SX:
         """The torn unknowns as one column."""
         return ca.vertcat(SX(0, 1), *(u.symbol for u in self.torn))
+
+    @property
+    def coupled_blocks(self) -> list[Block]:
+        """The blocks of more than one explicit assignment, numbered from 1 wherever they are mentioned."""
+        return [block for block in self.blocks if block.kind != "explicit"]
 
     def __str__(self) -> str:
         """The same text as ``cosim export --explain``."""
@@ -136,12 +152,9 @@ def explain(dae: Dae) -> str:
     lines += [f"    {unknown.name}" for unknown in dae.torn]
     explicit = sum(block.kind == "explicit" for block in dae.blocks)
     lines.append(f"blocks               {len(dae.blocks)}, {explicit} of them one explicit assignment each")
-    for block in dae.blocks:
-        if block.kind == "explicit":
-            continue
-        how = f"torn in {', '.join(block.torn)}" if block.torn else "solved symbolically"
+    for number, block in enumerate(dae.coupled_blocks, 1):
         shown = ", ".join(block.unknowns[:8]) + (" ..." if len(block.unknowns) > 8 else "")
-        lines.append(f"    {block.kind}, {len(block.unknowns)} unknowns, {how}: {shown}")
+        lines.append(f"    block {number}: {block}: {shown}")
     lines.append(f"relations            {len(dae.relations)} (their changes are state events)")
     lines += [f"    {relation.text}" for relation in dae.relations]
     lines.append(f"sample clocks        {len(dae.clocks)}")

@@ -37,6 +37,11 @@ class Block:
     torn: tuple[str, ...]
     equations: tuple[int, ...]
 
+    def __str__(self) -> str:
+        """Kind, size and how it is solved."""
+        how = f"torn in {', '.join(self.torn)}" if self.torn else "solved symbolically"
+        return f"{self.kind}, {len(self.unknowns)} unknown{'s' * (len(self.unknowns) != 1)}, {how}"
+
 
 @dataclass
 class Solution:

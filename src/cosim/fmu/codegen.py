@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import itertools
-import json
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import casadi as ca
 
 from cosim.dae import Dae
+from cosim.dae.dae import Computed
 from cosim.dae.hybrid import SX, Assignment
 from cosim.dae.sweep import newton_sweep
 from cosim.dae.symbolic import substitute
 from cosim.fmu.c_expressions import SCALARS, number, print_function
+from cosim.fmu.c_text import WIDTH, comment, function, remark, scope, string, table
 from cosim.fmu.constraint_tables import constraint_sizes, constraint_tables
 from cosim.fmu.layout import Layout
 from cosim.fmu.loops import Run, c_expression, find_runs, shared
@@ -39,6 +41,7 @@ class _Generator:
     def __init__(self, dae: Dae, layout: Layout) -> None:
         self._dae = dae
         self._layout = layout
+        self._named = [v for v in dae.computed if not v.value.is_leaf()]
         self._swept = newton_sweep(dae.residuals, [unknown.symbol for unknown in dae.torn]) if dae.torn else None
         discretes = [s.name for s in dae.discretes]
         self._labels: dict[str, list[str]] = {
@@ -79,18 +82,19 @@ class _Generator:
         values["HAS_SWEEP"] = int(self._swept is not None)
         lines = [f"/* Sizes of {dae.name}. */", "#ifndef COSIM_MODEL_SIZES_H", "#define COSIM_MODEL_SIZES_H", ""]
         lines += [f"#define MODEL_{name} {value}" for name, value in values.items()]
-        lines += [f"#define MODEL_NAME {_string(dae.name)}", f"#define MODEL_TOKEN {_string(token)}", "", "#endif", ""]
+        lines += [f"#define MODEL_NAME {string(dae.name)}", f"#define MODEL_TOKEN {string(token)}", "", "#endif", ""]
         return "\n".join(lines)
 
     def model(self) -> str:
         dae = self._dae
-        parts = [f"/* {dae.name}: {_comment(dae.description or '')} */", '#include "model.h"', "", "#include <math.h>",
+        parts = [f"/* {dae.name}: {comment(dae.description or '')} */", '#include "model.h"', "", "#include <math.h>",
                  "#include <string.h>", "", '#include "elementary.h"', ""]  # fmt: skip
         parts += self._tables()
         parts += self._parameters()
         parts += self._start()
         parts += self._clocks()
         f = dae.f
+        parts += self._block_comments()
         parts += self._continuous("model_rhs", {"f": f}, self._equation_comment())
         derivatives = {"f": f, "J": ca.jacobian(f, dae.v), "ft": ca.jacobian(f, dae.time)}
         parts += self._continuous("model_linearise", derivatives, "f, df/dv column by column, explicit df/dt")
@@ -112,7 +116,7 @@ class _Generator:
         if dae.constraints:
             tables, entries = constraint_tables(dae.constraints)
             for t in tables:
-                values = [_string(value) for value in t.values] if "char" in t.kind else t.values
+                values = [string(value) for value in t.values] if "char" in t.kind else t.values
                 parts += [f"const {t.kind} model_{t.name}[MODEL_{t.size}] = {{{', '.join(values)}}};", ""]
             parts += self._continuous("model_constraint_entries", {"entries": entries}, "")
         return "\n".join(parts)
@@ -122,6 +126,16 @@ class _Generator:
         derivatives = [f"f[{k}] = der({s.name})" for k, s in enumerate(dae.states)]
         residuals = [f"f[{len(dae.states) + k}] = residual solved for {z.name}" for k, z in enumerate(dae.torn)]
         return "; ".join(derivatives + residuals)
+
+    def _block_comments(self) -> list[str]:
+        lines: list[str] = []
+        for place, block in enumerate(self._dae.coupled_blocks, 1):
+            lines.append(f"/* Block {place}: {comment(str(block))}:")
+            for equation in block.equations:
+                text = comment(self._dae.equations[equation])
+                lines += textwrap.wrap(text, WIDTH, initial_indent=" *     ", subsequent_indent=" *         ")
+            lines.append(" */")
+        return [*lines, ""] if lines else []
 
     # tables
 
@@ -134,20 +148,20 @@ class _Generator:
             *(f"    {entry}" for entry in entries),
             "};",
             "",
-            *_table("double", "model_start_inputs", "MODEL_NU", [number(starts[s.name] or 0.0) for s in dae.inputs]),
-            *_table("double", "model_start_parameters", "MODEL_NP",
+            *table("double", "model_start_inputs", "MODEL_NU", [number(starts[s.name] or 0.0) for s in dae.inputs]),
+            *table("double", "model_start_parameters", "MODEL_NP",
                     [number(dae.parameter_values[p.scalar.name]) for p in dae.parameters]),
-            *_table("double", "model_nominal", "MODEL_NV", [number(u.nominal) for u in dae.unknowns]),
-            *_table("char *const", "model_unknown_names", "MODEL_NV", [_string(u.name) for u in dae.unknowns]),
-            *_table("char *const", "model_discrete_names", "MODEL_ND", [_string(s.name) for s in dae.discretes]),
-            *_table("unsigned char", "model_relation_strict", "MODEL_NG", [str(int(r.strict)) for r in dae.relations]),
-            *_table("char *const", "model_relation_texts", "MODEL_NG", [_string(r.text) for r in dae.relations]),
-            *_table("char *const", "model_assertion_messages", "MODEL_NA", [_string(c.message) for c in dae.checks]),
-            *_table("unsigned char", "model_assertion_is_error", "MODEL_NA",
+            *table("double", "model_nominal", "MODEL_NV", [number(u.nominal) for u in dae.unknowns]),
+            *table("char *const", "model_unknown_names", "MODEL_NV", [string(u.name) for u in dae.unknowns]),
+            *table("char *const", "model_discrete_names", "MODEL_ND", [string(s.name) for s in dae.discretes]),
+            *table("unsigned char", "model_relation_strict", "MODEL_NG", [str(int(r.strict)) for r in dae.relations]),
+            *table("char *const", "model_relation_texts", "MODEL_NG", [string(r.text) for r in dae.relations]),
+            *table("char *const", "model_assertion_messages", "MODEL_NA", [string(c.message) for c in dae.checks]),
+            *table("unsigned char", "model_assertion_is_error", "MODEL_NA",
                     [str(int(c.is_error)) for c in dae.checks]),
-            *_table("char *const", "model_termination_messages", "MODEL_NE", [_string(m) for _, m in dae.terminations]),
-            *_table("unsigned char", "model_start_kept", "MODEL_NV", [str(int(k)) for k in dae.starts_kept]),
-            *_table("char *const", "model_initial_texts", "MODEL_NV", [_string(t) for t in dae.initial_texts]),
+            *table("char *const", "model_termination_messages", "MODEL_NE", [string(m) for _, m in dae.terminations]),
+            *table("unsigned char", "model_start_kept", "MODEL_NV", [str(int(k)) for k in dae.starts_kept]),
+            *table("char *const", "model_initial_texts", "MODEL_NV", [string(t) for t in dae.initial_texts]),
         ]  # fmt: skip
 
     # functions of the parameters
@@ -160,7 +174,7 @@ class _Generator:
         expressions = [values[p.scalar.name] for _, p in dependent]
         # every value is in terms of independent parameters, so the order does not matter
         body = ["(void)p;", *self._elements(["p"], "p", expressions, [k for k, _ in dependent])]
-        return _function("void model_parameters(double *p)", body)
+        return function("void model_parameters(double *p)", body)
 
     def _start(self) -> list[str]:
         dae = self._dae
@@ -168,25 +182,25 @@ class _Generator:
         d = [SX(0.0) if s.start is None else s.start for s in dae.discretes]
         body = ["(void)p, (void)v, (void)d;"]
         for name, values in (("v", v), ("d", d)):
-            body += _scope(self._elements(["p"], name, values, list(range(len(values)))))
-        return _function("void model_start(const double *p, double *v, double *d)", body)
+            body += scope(self._elements(["p"], name, values, list(range(len(values)))))
+        return function("void model_start(const double *p, double *v, double *d)", body)
 
     def _clocks(self) -> list[str]:
         clocks = self._dae.clocks
         start, interval = _column([c.start for c in clocks]), _column([c.interval for c in clocks])
         body = ["(void)p, (void)start, (void)interval;", *self._body(["p"], [("start", start), ("interval", interval)])]
-        return _function("void model_clocks(const double *p, double *start, double *interval)", body)
+        return function("void model_clocks(const double *p, double *start, double *interval)", body)
 
     # functions of the continuous arguments
 
-    def _continuous(self, name: str, results: Mapping[str, SX], comment: str) -> list[str]:
+    def _continuous(self, name: str, results: Mapping[str, SX], about: str) -> list[str]:
         """A function of the continuous arguments; its results go to the arrays of these names."""
         arrays = ", ".join(f"double *{result}" for result in results)
         unused = "".join(f", (void){result}" for result in results)
         head = f"void {name}(MODEL_CONTINUOUS_ARGUMENTS, {arrays})"
         body = [f"{_UNUSED.strip()[:-1]}{unused};", *self._body(_CONTINUOUS, list(results.items()))]
-        lines = _function(head, body)
-        return [f"/* {_comment(comment)} */", *lines] if comment else lines
+        lines = function(head, body)
+        return [*remark(comment(about)), *lines] if about else lines
 
     def _sweep(self) -> list[str]:
         """The outputs together with what makes them exact: most of their operations are the same."""
@@ -203,7 +217,7 @@ class _Generator:
             body += [f"double holds[{len(checks)}];"]
             body += self._body(_CONTINUOUS, [("holds", _column([c.condition for c in checks]))])
             body += [f"for (int k = 0; k < {len(checks)}; k++) {{", "    if (holds[k] == 0) return k;", "}"]
-        return _function("int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS)", [*body, "return -1;"])
+        return function("int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS)", [*body, "return -1;"])
 
     # events
 
@@ -224,7 +238,7 @@ class _Generator:
             "int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial,\n"
             "                   double *d_new, double *x_new)"
         )
-        return _function(head, body)
+        return function(head, body)
 
     def _group(self, group: list[Assignment]) -> list[str]:
         """Assignments with one guard, computed together."""
@@ -244,10 +258,10 @@ class _Generator:
             for first, count in _ranges(positions)
         ]
         texts = "; ".join(dict.fromkeys(a.text for a in group))
-        comment = [f"/* {_comment(texts)} */"]
+        heading = remark(comment(texts))
         if group[0].guard is None:
-            return [*comment, *_scope(body)]
-        return [*comment, *self._guarded(group[0].guard, body)]
+            return [*heading, *scope(body)]
+        return [*heading, *self._guarded(group[0].guard, body)]
 
     def _guarded(self, guard: SX, body: list[str]) -> list[str]:
         condition = self._body(_DISCRETE, [("active", guard)])
@@ -267,7 +281,9 @@ class _Generator:
         before: dict[int, SX] = {e.element_hash(): e for run in runs for e in shared(run.pattern)}
         results = [(array, _column([elements[i] for i in plain])), ("shared", _column(list(before.values())))]
         lines = [f"double shared[{len(before)}];"] if before else []
-        lines += [_moved(line, array, [positions[i] for i in plain]) for line in self._body(arguments, results)]
+        named = [Computed(self._labels[array][positions[i]], elements[i], "") for i in plain]
+        body = self._body(arguments, results, named)
+        lines += [_moved(line, array, [positions[i] for i in plain]) for line in body]
         names = {key: f"shared[{i}]" for i, key in enumerate(before)}
         for run in runs:
             first = positions[run.start]
@@ -292,14 +308,20 @@ class _Generator:
                 start = end
         return found
 
-    def _body(self, arguments: Sequence[str], results: Sequence[tuple[str, SX]]) -> list[str]:
+    def _body(
+        self, arguments: Sequence[str], results: Sequence[tuple[str, SX]], named: Sequence[Computed] = ()
+    ) -> list[str]:
+        """The lines that compute ``results``, with names for those of ``named`` that come on the way."""
         outputs = [ca.densify(ca.vec(expression)) for _, expression in results]
         if sum(o.numel() for o in outputs) == 0:
             return []
+        named = [*named, *(self._named if "v" in arguments else ())]
+        outputs.append(_column([variable.value for variable in named]))
         shared = ca.vertsplit(ca.cse(ca.vertcat(*outputs)), [0, *_cumulative(o.numel() for o in outputs)])
         function = ca.Function("f", [self._arguments[name] for name in arguments], list(shared))
         labels = [self._labels[name] for name in arguments]
-        return print_function(function, arguments, [name for name, _ in results], labels)
+        titles = [(variable.name, comment(variable.remark)) for variable in named]
+        return print_function(function, arguments, [name for name, _ in results], labels, titles)
 
 
 def _all_clocked(dae: Dae) -> bool:
@@ -347,32 +369,9 @@ def _ranges(positions: Sequence[int]) -> list[tuple[int, int]]:
     return ranges
 
 
-def _scope(body: Sequence[str]) -> list[str]:
-    return ["{", *(f"    {line}" for line in body), "}"] if body else []
-
-
 def _cumulative(sizes: Iterable[int]) -> list[int]:
     return list(itertools.accumulate(sizes))
 
 
 def _column(values: Sequence[SX]) -> SX:
     return ca.vertcat(SX(0, 1), *values)
-
-
-def _table(kind: str, name: str, size: str, values: Sequence[str]) -> list[str]:
-    content = ", ".join(values) if values else ("0" if "char *" not in kind else '""')
-    return [f"const {kind} {name}[MODEL_ROOM({size})] = {{{content}}};", ""]
-
-
-def _function(head: str, body: Sequence[str]) -> list[str]:
-    return [head, "{", *(f"    {line}" for line in body), "}", ""]
-
-
-def _string(text: str) -> str:
-    escaped = json.dumps(text, ensure_ascii=True)
-    # JSON and C agree on these escapes but for \u, which C does not allow for ASCII; models are named in ASCII
-    return escaped.replace("\\u", "?u").replace("??", "?\\?")
-
-
-def _comment(text: str) -> str:
-    return text.replace("*/", "* /").replace("/*", "/ *")
