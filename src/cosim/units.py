@@ -107,6 +107,7 @@ _OFFSETS = {"degC": 273.15, "degF": 459.67 * 5 / 9}
 _SPELLINGS = str.maketrans({"\u03a9": "Ohm", "\u2126": "Ohm", "°": "deg", "·": ".", "⋅": ".", "*": ".", "⁻": "-"})
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 _FACTOR = re.compile(r"([^\W\d]+|%)(?:\^?([+-]?\d{1,2}))?")
+_MOST_PARENTHESES = 8
 _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(?![\d.,_])\s*(.*)", re.DOTALL | re.ASCII)
 
 
@@ -122,13 +123,7 @@ def parse(text: str) -> Unit:
     if plain in _OFFSETS:
         factor, exponents = _FIXED[plain]
         return Unit(text.strip(), factor, _OFFSETS[plain], MappingProxyType(exponents))
-    above, *below = _split_at_division(plain, text)
-    factor, offset, powers = _product(above, text, alone=not below)
-    if below:
-        divisor, _, lower = _product(below[0], text, alone=False)
-        factor /= divisor
-        for base, power in lower.items():
-            powers[base] = powers.get(base, 0) - power
+    factor, offset, powers = _expression(plain, text, alone=True)
     if not (0 < factor < math.inf):
         raise _refusal(text)
     ordered = {base: powers[base] for base in BASE if powers.get(base)}
@@ -181,15 +176,39 @@ def _in_base_units(unit: Unit) -> str:
     return ".".join(f"{base}{'' if power == 1 else power}" for base, power in unit.exponents.items()) or "1"
 
 
+def _expression(plain: str, text: str, *, alone: bool) -> tuple[float, float, dict[str, int]]:
+    """Factor, offset and exponents of a product or a quotient of two, each of which may be one in parentheses."""
+    above, *below = _split_at_division(plain, text)
+    factor, offset, powers = _operand(above, text, alone=alone and not below)
+    if below:
+        divisor, _, lower = _operand(below[0], text, alone=False)
+        factor = factor / divisor if divisor else math.inf
+        powers = {base: powers.get(base, 0) - lower.get(base, 0) for base in BASE}
+    return factor, offset, powers
+
+
+def _operand(plain: str, text: str, *, alone: bool) -> tuple[float, float, dict[str, int]]:
+    if plain.startswith("(") and plain.endswith(")") and plain.count("(") <= _MOST_PARENTHESES:
+        return _expression(plain[1:-1].strip(), text, alone=False)
+    return _product(plain, text, alone=alone)
+
+
 def _split_at_division(plain: str, text: str) -> list[str]:
-    """Split at the one ``/``; more of them, or a product below it without parentheses, would be ambiguous."""
-    parts = [part.strip() for part in plain.split("/")]
+    """Split at the one ``/`` outside parentheses; more, or a product below it without any, would be ambiguous."""
+    parts, depth = [""], 0
+    for character in plain:
+        depth += (character == "(") - (character == ")")
+        if character == "/" and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    parts = [part.strip() for part in parts]
     if len(parts) > 2:
         raise _refusal(text, f" (more than one '/': write {parts[0]}/({'.'.join(parts[1:])}))")
     if len(parts) == 2 and not parts[1].startswith("(") and re.search(r"[.\s]", parts[1]):
         product = ".".join(re.split(r"[.\s]+", parts[1]))
         raise _refusal(text, f" (a product after '/' is ambiguous: write {parts[0]}/({product}))")
-    return [part[1:-1] if part.startswith("(") and part.endswith(")") else part for part in parts]
+    return parts
 
 
 def _product(plain: str, text: str, *, alone: bool) -> tuple[float, float, dict[str, int]]:

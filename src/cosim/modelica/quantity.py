@@ -25,8 +25,8 @@ OPAQUE = ""
 """Stands among the unknowns for something of which nothing can be found out."""
 
 _NAMES = (
-    "1 m s kg A K mol cd N N.m W Pa V Ohm H F C Wb T S m/s m/s2 1/s 1/s2 m2 m3 kg.m2 N/m N.s/m N.m.s N.s W/s N/s kg/m3 "
-    "kg/s m3/s V.s2 V/s A/s A2 V2 V/m A/m 1/m W/K J/K W/(m.K) W/(m2.K) J/(kg.K) K/s K/W 1/A 1/V Ohm/s H/s N.m/A2 N2 "
+    "1 m s kg A K mol cd N N.m W Pa V Ohm H F C Wb T S m/s m/s2 1/s 1/s2 m2 m3 kg.m2 N/m kg/s N.s/m N.m.s N.s W/s N/s "
+    "kg/m3 m3/s V.s2 V/s A/s A2 V2 V/m A/m 1/m W/K J/K W/(m.K) W/(m2.K) J/(kg.K) K/s K/W 1/A 1/V Ohm/s H/s N.m/A2 N2 "
     "Pa.s Pa/s 1/K 1/kg 1/N m/N m/A m/V A/V2 N.m/s N/A"
 ).split()
 """How a product of units is written if it has no unit of its own; the first that fits."""
