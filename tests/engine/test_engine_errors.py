@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -321,6 +322,21 @@ def test_nan_is_blamed_on_its_origin(fmu: Get) -> None:
         [Connection(("f", "y"), ("controller", "u"))],
     )
     assert str(fail(system)).startswith("the simulation failed at t = 0.05 s: f (faulty): its output y is not a number")
+
+
+def test_an_fmu_that_nobody_reads_or_writes_fails_with_its_reason(
+    fmu_path: Callable[[str, int], Path], tmp_path: Path
+) -> None:
+    def edit(name: str, content: bytes) -> tuple[str, bytes]:
+        if name == "modelDescription.xml":
+            content = content.replace(b'causality="output"', b'causality="local"')
+            content = re.sub(rb"<Output [^>]*/>", b"", content)
+        return name, content
+
+    path = repack(fmu_path("faulty", 3), tmp_path / "x.fmu", edit)
+    with Fmu.read(path) as closed:
+        error = fail(System([Component("f", closed, {"fault": "error", "t_fault": 0.05})]))
+    assert "fmi3DoStep returned Error; the FMU says: the solver has lost the solution at" in str(error)
 
 
 def test_an_fmu_that_takes_one_step_length_only(fmu_path: Callable[[str, int], Path], tmp_path: Path) -> None:

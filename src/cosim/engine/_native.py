@@ -75,15 +75,16 @@ def _raise(tables: Tables, plan: Plan) -> None:
         raise participant.never_settles()
     elif failure.kind in (_ASKS_TO_END, _RETURNED_EARLY):
         instance.fail_to_go_on(early=failure.kind == _RETURNED_EARLY)
+    if failure.kind == _CALL_FAILED and failure.function < len(_FUNCTIONS):
+        instance.check(_FUNCTIONS[failure.function], failure.status)
     group = tables.groups[failure.group]
     if failure.kind == _OUT_OF_RANGE and isinstance(group, InputGroup) and isinstance(group.buffer, array):
         raise participant.out_of_range(failure.value, group.buffer)
     if failure.kind == _OUT_OF_RANGE:
         raise participant.too_long(int(failure.value))
     if failure.kind == _CALL_FAILED:
-        called = failure.function
         access = group.access if isinstance(group, InputGroup) else group.whole
-        instance.check(_FUNCTIONS[called] if called < len(_FUNCTIONS) else access.function, failure.status)
+        instance.check(access.function, failure.status)
     if failure.kind == _OUT_OF_MEMORY:
         raise CallError(instance, "has put out a text or Binary for which there is no memory", "let it put out less")
     raise CallError(instance, f"ended for a reason of the number {failure.kind}", "report this as a defect of cosim")

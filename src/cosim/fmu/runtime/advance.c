@@ -33,10 +33,15 @@ void simulation_changed(Simulation *m, int parameters)
     m->have = 0;
 }
 
+static double smallest_step(const State *s)
+{
+    return 1e-14 * fmax(1.0, fabs(s->t));
+}
+
 static int step_is_too_small(Simulation *m, double h, int not_a_number)
 {
     const State *s = &m->s;
-    if (h >= 1e-14 * fmax(1.0, fabs(s->t))) return 0;
+    if (h >= smallest_step(s)) return 0;
     const char *name = model_unknown_names[m->rodas.worst];
     if (not_a_number)
         simulation_fail(m,
@@ -60,6 +65,7 @@ static int take_step(Simulation *m, double limit)
     State *s = &m->s;
     Held constant = held(s);
     double rest = limit - s->t;
+    int unsolved = 0;
     s->counters[COUNTER_RHS]++;
     s->counters[COUNTER_JACOBIANS]++;
     if (!rodas_begin(&m->rodas, s->t, s->v, &constant)) {
@@ -75,7 +81,10 @@ static int take_step(Simulation *m, double limit)
         double h = wanted >= rest ? rest : wanted > 0.5 * rest ? 0.5 * rest : wanted;
         double error = rodas_attempt(&m->rodas, h, s->tolerance, &constant);
         s->counters[COUNTER_RHS] += RODAS_STAGES;
-        if (error <= 1.0 && !simulation_solve_algebraic(m, s->t + h, m->rodas.step.v_new, NULL)) error = INFINITY;
+        if (error <= 1.0 && !simulation_solve_algebraic(m, s->t + h, m->rodas.step.v_new, NULL)) {
+            error = INFINITY;
+            unsolved = 1;
+        }
         if (error <= 1.0) {
             control_accept(&s->control, h, error);
             s->counters[COUNTER_STEPS]++;
@@ -84,6 +93,8 @@ static int take_step(Simulation *m, double limit)
         control_reject(&s->control, h, error);
         s->counters[COUNTER_REJECTED]++;
         if (h == wanted && !simulation_check_progress(m)) return 0;
+        /* The reason why the algebraic equations have no solution says more than that there is no step. */
+        if (unsolved && s->control.h < smallest_step(s)) return 0;
         if (step_is_too_small(m, s->control.h, !isfinite(error))) return 0;
     }
 }
