@@ -6,6 +6,7 @@ The way of the data: ``lower`` (equations as CasADi expressions, events as relat
 """
 
 from cosim.dae.assemble import compile_dae
-from cosim.dae.dae import Dae, explain
+from cosim.dae.dae import Dae
+from cosim.dae.explanation import explain
 
 __all__ = ["Dae", "compile_dae", "explain"]

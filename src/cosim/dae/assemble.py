@@ -156,6 +156,8 @@ class _Assembly:
             blocks=self._solution.blocks,
             equations=[system.source.with_line(e.text, e.at) for e in self._differentiated.equations],
             sizes=sizes,
+            differentiated=self._differentiated_equations(),
+            not_chosen=[chains.label(Node(node.base, node.order - 1)) for node in self._selection.dummies],
             constraints=constraints_of(self._selection, self._differentiated, self.resolve),
             computed=[Computed(s.name(), self._values[s.name()], remarks[s.name()]) for s, _ in self._solution.steps],
         )
@@ -170,6 +172,17 @@ class _Assembly:
             remark = equation.text if block.kind == "explicit" else f"block {coupled}"
             remarks |= dict.fromkeys(block.unknowns, remark)
         return remarks
+
+    def _differentiated_equations(self) -> list[tuple[str, int]]:
+        given = self._differentiated
+        times: dict[int, int] = {}
+        for e in range(len(given.equations)):
+            if e in given.predecessor and e not in given.successor:
+                level, origin = given.level(e), e
+                while origin in given.predecessor:
+                    origin = given.predecessor[origin]
+                times[origin] = level
+        return [(placed(self._system.source, given.equations[e]), n) for e, n in sorted(times.items())]
 
     def _unknown(self, node: Node) -> Unknown:
         """A fixed start value counts most, then the first that says something."""

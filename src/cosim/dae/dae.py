@@ -1,4 +1,4 @@
-"""The result of compilation: an index-1 semi-explicit hybrid DAE with few unknowns, and its text for people."""
+"""The result of compilation: an index-1 semi-explicit hybrid DAE with few unknowns."""
 
 from __future__ import annotations
 
@@ -101,6 +101,10 @@ class Dae:
     equations: list[str]
     """Text and place of the equations after index reduction; blocks refer to them by number."""
     sizes: Sizes
+    differentiated: list[tuple[str, int]] = field(default_factory=list)
+    """Each equation that had to be differentiated, with its place, and how often."""
+    not_chosen: list[str] = field(default_factory=list)
+    """Variables whose derivatives occur, and which are not states because constraints give them."""
     constraints: list[Constraints] = field(default_factory=list)
     """Where the choice of states could become wrong."""
     computed: list[Computed] = field(default_factory=list)
@@ -130,37 +134,3 @@ class Dae:
     def coupled_blocks(self) -> list[Block]:
         """The blocks of more than one explicit assignment, numbered from 1 wherever they are mentioned."""
         return [block for block in self.blocks if block.kind != "explicit"]
-
-    def __str__(self) -> str:
-        """The same text as ``cosim export --explain``."""
-        return explain(self)
-
-
-def explain(dae: Dae) -> str:
-    """A text of a page or two; what ``cosim export --explain`` prints."""
-    sizes = dae.sizes
-    lines = [
-        f"{dae.name}: {dae.description or 'no description'}",
-        "",
-        f"equations            {sizes.flat} flat, {sizes.after_aliases} after alias elimination, "
-        f"{sizes.differentiated} with derivatives of constraints",
-        f"differentiation index  {sizes.index}",
-        f"continuous states    {len(dae.states)}",
-    ]
-    lines += [f"    {state.name}" for state in dae.states]
-    lines.append(f"torn unknowns        {len(dae.torn)} (found by the solver together with the states)")
-    lines += [f"    {unknown.name}" for unknown in dae.torn]
-    explicit = sum(block.kind == "explicit" for block in dae.blocks)
-    lines.append(f"blocks               {len(dae.blocks)}, {explicit} of them one explicit assignment each")
-    for number, block in enumerate(dae.coupled_blocks, 1):
-        shown = ", ".join(block.unknowns[:8]) + (" ..." if len(block.unknowns) > 8 else "")
-        lines.append(f"    block {number}: {block}: {shown}")
-    lines.append(f"relations            {len(dae.relations)} (their changes are state events)")
-    lines += [f"    {relation.text}" for relation in dae.relations]
-    lines.append(f"sample clocks        {len(dae.clocks)}")
-    lines.append(f"discrete variables   {len(dae.discretes)}")
-    lines.append("initial system")
-    lines += [f"    {text}" for text in dae.initial_texts]
-    lines.append(f"eliminated aliases   {len(dae.aliases)}")
-    lines += [f"    {name} = {value}" for name, value in dae.aliases.items()]
-    return "\n".join(lines)
