@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT-0
  *
- * The way from one instant to another: integration, what stops it, and the values an importer sees.
+ * The way from one instant to another: integration, and what stops it.
  */
 #include "simulation.h"
 
@@ -169,30 +169,4 @@ Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_e
         }
     }
     return s->terminate ? ADVANCE_TERMINATED : ADVANCE_REACHED;
-}
-
-const double *simulation_values(Simulation *m, ModelStore store)
-{
-    State *s = &m->s;
-    if (!s->initialised && !simulation_initialise(m)) return NULL;
-    if (!(m->have & 1u << STORE_UNKNOWN)) {
-        /* Into a copy: whether somebody looks must not change the future. */
-        memcpy(m->shown_v, s->v, sizeof s->v);
-        if (!simulation_solve_algebraic(m, s->t, m->shown_v, m->shown_y)) return NULL;
-        m->have = 1u << STORE_UNKNOWN | 1u << STORE_OUTPUT;
-    }
-    if (store == STORE_UNKNOWN) return m->shown_v;
-    int valid = (m->have & 1u << store) != 0;
-    m->have |= 1u << store;
-    switch (store) {
-    case STORE_DERIVATIVE:
-        if (!valid) model_rhs(s->t, m->shown_v, s->u, s->p, s->d, s->c, m->shown_f);
-        return m->shown_f;
-    case STORE_OUTPUT: return m->shown_y;
-    case STORE_LOCAL:
-        if (!valid) model_locals(s->t, m->shown_v, s->u, s->p, s->d, s->c, m->shown_l);
-        return m->shown_l;
-    case STORE_DISCRETE: return s->d;
-    default: return NULL;
-    }
 }

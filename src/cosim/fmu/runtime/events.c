@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT-0
  *
- * What happens at one instant: initial equations, algebraic equations, relations, discrete equations, clocks.
+ * What happens at one instant: initial equations, discrete equations, clocks.
  */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "elementary.h"
@@ -13,87 +12,6 @@ enum {
     MAX_PASSES = 100,       /* of an event iteration */
     SIMULTANEOUS_PASSES = 10 /* after so many, relations change one at a time: Murty's rule against cycling */
 };
-
-typedef struct {
-    Simulation *m;
-    double t;
-    double *v;
-} AlgebraicSystem;
-
-static void algebraic_system(void *context, const double *z, double *r, double *J)
-{
-    AlgebraicSystem *a = context;
-    State *s = &a->m->s;
-    double v[MODEL_ROOM(MODEL_NV)];
-    memcpy(v, a->v, MODEL_NX * sizeof *v);
-    memcpy(v + MODEL_NX, z, MODEL_NZ * sizeof *v);
-    s->counters[COUNTER_RHS]++;
-    if (J) {
-        model_linearise_residual(a->t, v, s->u, s->p, s->d, s->c, r, J);
-        s->counters[COUNTER_JACOBIANS]++;
-    } else {
-        model_residual(a->t, v, s->u, s->p, s->d, s->c, r);
-    }
-}
-
-static int solve_by_newton(Simulation *m, double t, double *v)
-{
-    AlgebraicSystem system = {m, t, v};
-    double z[MODEL_ROOM(MODEL_NZ)];
-    memcpy(z, v + MODEL_NX, MODEL_NZ * sizeof *z);
-    NewtonOutcome outcome =
-        newton_solve(&m->newton, MODEL_NZ, algebraic_system, &system, model_nominal + MODEL_NX, z);
-    if (outcome != NEWTON_SOLVED) {
-        simulation_fail(m, "At t = %.9g s the algebraic equations %s; the unknown concerned is %s.", t,
-                        outcome == NEWTON_SINGULAR ? "are singular" : "cannot be solved",
-                        model_unknown_names[MODEL_NX + m->newton.worst]);
-        return simulation_blame_selection(m, v);
-    }
-    memcpy(v + MODEL_NX, z, MODEL_NZ * sizeof *z);
-    return 1;
-}
-
-/* A few Newton sweeps, from unknowns that are nearly right. Returns 0 with v unchanged if they are not. */
-static int sweep(Simulation *m, double t, double *v, double *y)
-{
-#if MODEL_HAS_SWEEP
-    enum { SWEEPS = 3 };
-    static const double NEARLY = 1e-2;
-    State *s = &m->s;
-    /* A correction of this size leaves an error of its square, times a curvature; far below the solver's error. */
-    double quadratic = sqrt(1e-5 * s->tolerance);
-    double swept[MODEL_ROOM(MODEL_NV)], dz[MODEL_ROOM(MODEL_NZ)], unwanted[MODEL_ROOM(MODEL_NY)];
-    if (!y) y = unwanted;
-    memcpy(swept, v, sizeof swept);
-    for (int k = 0; k < SWEEPS; k++) {
-        s->counters[COUNTER_RHS]++;
-        model_sweep(t, swept, s->u, s->p, s->d, s->c, dz, y);
-        double largest = 0.0;
-        for (int i = 0; i < MODEL_NZ; i++) {
-            double *z = &swept[MODEL_NX + i], length = fabs(dz[i]) / (fabs(*z) + model_nominal[MODEL_NX + i]);
-            if (!(length < NEARLY)) return 0;
-            largest = fmax(largest, length);
-            *z += dz[i];
-        }
-        if (largest <= quadratic) {
-            memcpy(v, swept, sizeof swept);
-            return 1;
-        }
-    }
-#else
-    (void)m, (void)t, (void)v, (void)y;
-#endif
-    return 0;
-}
-
-int simulation_solve_algebraic(Simulation *m, double t, double *v, double *y)
-{
-    const State *s = &m->s;
-    if (MODEL_NZ > 0 && sweep(m, t, v, y)) return 1;
-    if (MODEL_NZ > 0 && !solve_by_newton(m, t, v)) return 0;
-    if (y) model_outputs(t, v, s->u, s->p, s->d, s->c, y);
-    return 1;
-}
 
 static void initial_system(void *context, const double *v, double *r, double *J)
 {
@@ -132,18 +50,6 @@ static int solve_initial(Simulation *m)
         return 1;
     }
     return simulation_blame_initial(m, outcome);
-}
-
-int simulation_truth(const Simulation *m, int k, double g)
-{
-    if (isnan(g)) return m->s.c[k] != 0.0;
-    return model_relation_strict[k] ? g > 0.0 : g >= 0.0;
-}
-
-void simulation_relations(const Simulation *m, double t, const double *v, double *g)
-{
-    const State *s = &m->s;
-    if (MODEL_NG > 0) model_indicators(t, v, s->u, s->p, s->d, s->c, g);
 }
 
 /* Bring c up to date; returns how many relations changed. */
@@ -297,17 +203,6 @@ static void keep_discretes(State *s)
     memcpy(s->d_kept, s->d, sizeof s->d);
     memcpy(s->c_kept, s->c, sizeof s->c);
     s->kept = 1;
-}
-
-const double *simulation_kept_values(Simulation *m, ModelStore store)
-{
-    State *s = &m->s;
-    if (store == STORE_DISCRETE) return s->d_kept;
-    const double *v = simulation_values(m, STORE_UNKNOWN);
-    if (!v) return NULL;
-    double *kept = store == STORE_OUTPUT ? m->kept_y : m->kept_l;
-    (store == STORE_OUTPUT ? model_outputs : model_locals)(s->t, v, s->u, s->p, s->d_kept, s->c_kept, kept);
-    return kept;
 }
 
 int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
