@@ -14,16 +14,15 @@ import tempfile
 import time
 from pathlib import Path
 
-from engine import feedback
-from fmu_builder import INTEGRATOR, SAMPLER, build
-
 from cosim.engine import Fmu, simulate
+from engine import INTEGRATOR, SAMPLER, build, feedback
 
 
 def main() -> None:
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        tempfile.tempdir = name
         with Fmu.read(build(INTEGRATOR, 3, folder)) as plant, Fmu.read(build(SAMPLER, 3, folder)) as controller:
             print(f"{'runs':>8}{'memory [MB]':>14}{'temporary files':>18}{'ms per run':>13}{'processor ms':>15}")
             for part in range(1, 11):
@@ -32,7 +31,7 @@ def main() -> None:
                     simulate(feedback(plant, controller, 0.02), stop=0.1, output_interval=0.02, tolerance=1e-6)
                 spent, work = time.perf_counter() - begun, time.process_time() - worked
                 gc.collect()
-                files = sum(1 for _ in Path(tempfile.gettempdir()).glob("cosim-*"))
+                files = sum(1 for _ in folder.glob("cosim-*"))
                 wall, processor = (seconds / (runs // 10) * 1e3 for seconds in (spent, work))
                 print(f"{part * (runs // 10):8}{resident():14.1f}{files:18}{wall:13.3f}{processor:15.3f}", flush=True)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import operator
-import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -95,6 +94,8 @@ def binaries_of(description: bytes) -> dict[str, BinaryKind]:
     """Return the Binary variables of a modelDescription.xml by name; fmpy does not read what they hold."""
     if b"<Binary" not in description:
         return {}
+    import xml.etree.ElementTree as ET  # few FMUs need it, and it takes time to import
+
     found = ET.fromstring(description).iterfind("ModelVariables/Binary")
     return {
         element.get("name", ""): BinaryKind(
