@@ -97,3 +97,11 @@ def test_a_when_clause_does_not_act_at_the_start() -> None:
     dae = compile_model(SMALL / "Tank.mo", "Small.Tank")
     (starts,) = (a for a in dae.assignments if a.targets == ("starts",))
     assert "initial" in str(starts.guard)
+
+
+def test_other_files_in_the_folder_do_not_matter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "M.mo").write_text("model M Real y; equation y = time; end M;")
+    (tmp_path / "Other.mo").write_text("model M Real z; end M;")
+    (tmp_path / "Broken.mo").write_text("model Broken Real z end")
+    monkeypatch.chdir(tmp_path)
+    assert texts(flatten(Source.read(Path("M.mo")), "M")) == ["y = time"]

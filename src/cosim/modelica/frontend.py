@@ -29,6 +29,8 @@ _BALANCE = re.compile(r"unbalanced model: .*\(balance = (-?\d+)\)")
 _PANIC = re.compile(r'detail: "(.*?)", span: .*?start: BytePos\((\d+)\)', re.DOTALL)
 _STATEMENTS = re.compile(r"model algorithm|when assignment|when function-call|when-equation LHS")
 """In what rumoca says when it refuses statements that it can flatten."""
+_NOWHERE = "cosim-has-no-such-folder/model.mo"
+"""A file that does not exist: next to one that does, rumoca would read all others."""
 _PROBE = "CosimBalanceProbe"
 
 
@@ -98,7 +100,7 @@ def _derivatives_marked(text: str) -> tuple[str, str]:
 def _load(rumoca: Any, source: Source, text: str, model: str) -> dict[str, Any]:  # noqa: ANN401 - a module
     try:
         with _silenced_stderr():
-            compiled = rumoca.Session().loads(text, model=model, filename=source.files[0].name)
+            compiled = rumoca.Session().loads(text, model=model, filename=_NOWHERE)
             tree: dict[str, Any] = compiled.to_dict("flat")
             parameters = compiled.parameters
             tree["structural_parameters"] = [n for n in parameters.names if parameters[n].kind == "structural"]
