@@ -59,6 +59,10 @@ EXPECTED: dict[str, dict[str, float]] = {
         "c": (math.cos(1 + T) + math.sin(1 + T)) * math.exp(1 + T),
     },
     "oscillator": {"x": math.cos(2 * T)},
+    "redeclared": {
+        "a.s": 3 * T + T, "b.s": 6 * T + 70 * T, "c.s": 10 * T + 5 * T,
+        "a.connection": 1, "b.connection": 2, "c.connection": 3,
+    },
     "shapes": {
         **elements("c", C), **elements("d", [[1 + T**2]]), **elements("v", [1, T]), **elements("w", [2, 2 * T]),
         **elements("e", C @ [1, T]), **elements("m", [1 + T**2]), **elements("p", [[7, 10], [15, 22]]),

@@ -43,6 +43,8 @@ MESSAGES = {
     "ConstrainedInput": "7:3: x ^ 3 = u: the derivative of the input u would be needed here; an input cannot"
     " prescribe what is a state of the model. Prescribe a force, torque or voltage instead, or pass the input"
     " through a filter",
+    "ConstrainedModifier": "9:35: the front end loses the modifiers after constrainedby of a class; give them"
+    " where the class is used",
     "Delay": "4:13: delay() is not supported: the past of a variable is not kept; sample it, or describe the"
     " delay with states",
     "DiscreteLoop": "3:11: DiscreteLoop: `a` needs its own new value to be computed; use pre() to break the ring",
@@ -64,6 +66,8 @@ MESSAGES = {
     "InitialState": "2:8: InitialState: an initial algorithm can give values to discrete variables and to"
     " parameters with fixed=false, but not to `x`; write an initial equation",
     "InputDerivative": "5:10: y equals the input x, whose derivative would be needed; pass the input through a filter",
+    "LostModifier": "15:17: the front end loses the modifiers in redeclare model Part = ...(...); declare a"
+    " class with them, such as model T = ...(...), and write redeclare model Part = T",
     "Message": '6:22: if loud then "LOW" else "low": a message can be made of literals, String parameters,'
     " String(x) and +",
     "MissingEquation": "2:3: MissingEquation has 1 equation for 2 unknowns: for x, force there is only 1"
@@ -82,6 +86,8 @@ MESSAGES = {
     "RealToInteger": "6:3: n is of type Integer, but 2.5 * time is of type Real; use integer() to round it down",
     "Recursion": "6:34: Recursion.factorial calls itself; functions that call themselves are not supported,"
     " use a for-loop",
+    "RedeclaredPackage": "16:12: redeclared packages are not supported: the front end mixes up their"
+    " constants; give the constants as parameters",
     "ReinitAlgebraic": "3:8: ReinitAlgebraic: reinit() of `y`, which is not a state: only what stands in der()"
     " can be reinitialised",
     "Ring": "2:18: Ring: cyclic dependency in parameter binding for 'a': parameters depend on each other in a ring",

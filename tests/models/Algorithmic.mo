@@ -375,6 +375,49 @@ model Algorithmic "One small component for each piece of the language that compu
     output Integer n = Integer(gear);
     output Boolean b = gear > Gear.low;
   end Enumerations;
+  model Redeclared "Components that differ in a class, in their sizes and in what a parameter decides"
+    partial model Source
+      Real y;
+    end Source;
+    model Slow
+      extends Source;
+      parameter Real k = 1;
+    equation
+      y = k*time;
+    end Slow;
+    model Fast
+      extends Source;
+      parameter Real k = 1;
+      parameter Real q = 10;
+    equation
+      y = k*q*time;
+    end Fast;
+    model Faster = Fast(k=7);
+    model Holder
+      replaceable model Part = Slow constrainedby Source;
+      parameter Integer n = 2;
+      parameter Integer kind = 1;
+      Part part;
+      Real x[n];
+      output Real s = sum(x) + part.y;
+    equation
+      for i in 1:n loop
+        x[i] = i*time;
+      end for;
+      if kind == 1 then
+        connection = 1;
+      elseif kind == 2 then
+        connection = 2;
+      else
+        connection = 3;
+      end if;
+    public
+      output Real connection;
+    end Holder;
+    Holder a;
+    Holder b(redeclare model Part = Faster, n=3, kind=2);
+    Holder c(n=4, kind=3, part(k=5));
+  end Redeclared;
   model Shapes "Matrices with one row or column, powers, symmetric parts"
     Real a[2,1] = {{1}, {time}};
     Real b[1,2] = transpose(a);
@@ -406,5 +449,6 @@ model Algorithmic "One small component for each piece of the language that compu
   Momentum momentum "Derivatives of expressions";
   Oscillator oscillator "A second derivative";
   Enumerations enumerations "Numbers of enumeration literals";
+  Redeclared redeclared "Components that differ in more than values";
   Shapes shapes "Matrices with one row or column, powers, symmetric parts";
 end Algorithmic;

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from cosim.modelica._carry import MARK
+from cosim.modelica._lost import refuse_lost_modifiers
 from cosim.modelica._scan import Scan, Statement, scan
 from cosim.modelica.expressions import Expression, children, references
 from cosim.modelica.flat import Action, Conditional, FlatModel, Loop, When, While, reads
@@ -23,6 +24,7 @@ def completed(flat: FlatModel, flagged: frozenset[str], model_at: int | None) ->
         ModelError: a when-clause or an assertion of the text is not in the model.
     """
     found = scan(flat.source.text)
+    refuse_lost_modifiers(flat.source, found, model_at)
     _check_statements(flat, found, model_at)
     used = _used(flat)
     structural = {

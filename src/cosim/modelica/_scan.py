@@ -15,7 +15,7 @@ _TOKEN = re.compile(
     rb"|(?P<number>\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)|(?P<mark>:=|==|<>|<=|>=|[^\s\w])",
     re.DOTALL,
 )
-_CLASSES = frozenset("model block class package record connector function type operator".split())
+CLASSES = frozenset("model block class package record connector function type operator".split())
 _SECTIONS = frozenset("equation algorithm public protected".split())
 _WATCHED = frozenset("when if for assert terminate reinit connect while break".split())
 _WORDS = frozenset("and or not if then else elseif true false in loop end time".split())
@@ -57,6 +57,8 @@ class Scan:
     """Names in conditions of components."""
     classes: list[tuple[int, int]] = field(default_factory=list)
     """Where each class begins and ends."""
+    names: dict[int, str] = field(default_factory=dict)
+    """The name of each class by where it begins."""
 
     def class_of(self, at: int) -> int | None:
         """Where the innermost class begins that has this place."""
@@ -132,7 +134,7 @@ class _Scanner:
         elif token.is_name and self._depth == 0:
             if token.text == "end" and not self._in_expression():
                 return self._end(tokens, position)
-            if token.text in _CLASSES and following not in ("", ";") and not self._in_code():
+            if token.text in CLASSES and following not in ("", ";") and not self._in_code():
                 return self._begin_class(tokens, position)
             if token.text in _SECTIONS and self._classes and not self._in_expression():
                 self._classes[-1].section = token.text
@@ -153,14 +155,17 @@ class _Scanner:
 
     def _begin_class(self, tokens: list[Token], position: int) -> int:
         start = position
-        while position + 1 < len(tokens) and tokens[position + 1].text in (*_CLASSES, "pure", "impure"):
+        while position + 1 < len(tokens) and tokens[position + 1].text in (*CLASSES, "pure", "impure"):
             position += 1
         kind = tokens[position].text
         if tokens[position + 1].text == "extends":
             position += 1
         after = tokens[position + 2].text if position + 2 < len(tokens) else ""
         self._statement.clear()
+        self.result.names[tokens[start].at] = tokens[min(position + 1, len(tokens) - 1)].text
         if after == "=":  # a short definition has no end
+            end = next((t.end for t in tokens[position:] if t.text == ";"), tokens[-1].end)
+            self.result.classes.append((tokens[start].at, end))
             self._statement += tokens[start : position + 2]
             return position + 2
         self._classes.append(_Class(kind, tokens[start].at))
