@@ -7,7 +7,7 @@ import string
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from cosim.errors import ModelError
@@ -279,6 +279,7 @@ y = der(x); a[1] = der(y); der(a[1]) = a[2]; a[2] = -x - y - a[1];
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.sampled_from(EQUATIONS), min_size=1, max_size=5))
+@example(["0 = y*x;", "y = time/0;"])  # an infinite coefficient
 def test_any_equations_give_a_model_or_a_message(tmp_path: Path, equations: list[str]) -> None:
     names = set(re.findall(r"\w+", " ".join(equations)))
     declarations = [text for name, text in DECLARATIONS.items() if name in names]

@@ -84,7 +84,7 @@ def _integer_terms(residual: SX, symbols: dict[str, SX]) -> dict[str, Fraction] 
     if not ca.simplify(ca.substitute(residual, unknown, ca.DM.zeros(len(involved)))).is_zero():
         return None
     coefficients = ca.DM(ca.densify(jacobian)).full().ravel().tolist()
-    if any(c != int(c) or abs(c) > _LARGEST for c in coefficients):
+    if not all(abs(c) <= _LARGEST and c == int(c) for c in coefficients):  # neither may be infinite or NaN
         return None
     symbols |= {s.name(): s for s in involved}
     return {s.name(): Fraction(int(c)) for s, c in zip(involved, coefficients, strict=True) if c != 0}
