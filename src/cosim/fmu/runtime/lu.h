@@ -11,25 +11,32 @@
 #include <math.h>
 #include <string.h>
 
+/* Bring the row with the largest entry of column k, from row k on, to row k. Returns the reciprocal of that entry, 0 if
+ * there is no pivot (singular, or not a number). */
+static inline double lu_pivot(int n, double *A, int *pivots, int k)
+{
+    int pivot = k;
+    for (int i = k + 1; i < n; i++)
+        if (fabs(A[k * n + i]) > fabs(A[k * n + pivot])) pivot = i;
+    pivots[k] = pivot;
+    if (pivot != k)
+        for (int j = 0; j < n; j++) {
+            double swapped = A[j * n + k];
+            A[j * n + k] = A[j * n + pivot];
+            A[j * n + pivot] = swapped;
+        }
+    double inverse = 1.0 / A[k * n + k];
+    return isfinite(inverse) ? inverse : 0.0;
+}
+
 /* Factorise A in place, into a form that only lu_solve reads. Returns 0, or 1 + the column in which no pivot is left
  * (singular, or not a number). */
 static inline int lu_factor(int n, double *A, int *pivots)
 {
     for (int k = 0; k < n; k++) {
-        double *column = A + k * n;
-        int pivot = k;
-        for (int i = k + 1; i < n; i++)
-            if (fabs(column[i]) > fabs(column[pivot])) pivot = i;
-        pivots[k] = pivot;
+        double *column = A + k * n, inverse = lu_pivot(n, A, pivots, k);
+        if (inverse == 0.0) return k + 1;
         /* Kept inverted: a division in lu_solve would cost more than the rest of its row. */
-        double inverse = 1.0 / column[pivot];
-        if (!isfinite(inverse) || inverse == 0.0) return k + 1;
-        if (pivot != k)
-            for (int j = 0; j < n; j++) {
-                double swapped = A[j * n + k];
-                A[j * n + k] = A[j * n + pivot];
-                A[j * n + pivot] = swapped;
-            }
         column[k] = inverse;
         for (int i = k + 1; i < n; i++) column[i] *= inverse;
         for (int j = k + 1; j < n; j++) {
@@ -74,19 +81,8 @@ enum { LU_INVERTED = 8 };
 static inline int lu_invert(int n, double *A, int *pivots)
 {
     for (int k = 0; k < n; k++) {
-        double *column = A + k * n;
-        int pivot = k;
-        for (int i = k + 1; i < n; i++)
-            if (fabs(column[i]) > fabs(column[pivot])) pivot = i;
-        pivots[k] = pivot;
-        double inverse = 1.0 / column[pivot];
-        if (!isfinite(inverse) || inverse == 0.0) return k + 1;
-        if (pivot != k)
-            for (int j = 0; j < n; j++) {
-                double swapped = A[j * n + k];
-                A[j * n + k] = A[j * n + pivot];
-                A[j * n + pivot] = swapped;
-            }
+        double *column = A + k * n, inverse = lu_pivot(n, A, pivots, k);
+        if (inverse == 0.0) return k + 1;
         column[k] = 0.0;
         for (int j = 0; j < n; j++) {
             double *updated = A + j * n, factor = updated[k] * inverse;
