@@ -105,6 +105,7 @@ RUMOCA: dict[str, tuple[float, dict[str, float]]] = {
     "RestingBall": (3, {}),
     "RollingWheel": (1, {}),
     "Schmitt": (0.5, {}),
+    "SendOnDelta": (6.95, {}),
     "StickSlip": (3, {}),
     "Thermostat": (5000, {}),
     "Transformer": (1, {"u": 10.0}),

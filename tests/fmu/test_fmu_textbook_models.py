@@ -132,3 +132,26 @@ def test_each_mode_of_heat_decays_at_its_own_rate(simulate: Simulate) -> None:
     )
     for k in cell:
         assert result[f"T[{k}]"] == pytest.approx(expected[:, k - 1], abs=1e-8)
+
+
+def test_a_sine_is_sent_whenever_it_has_moved_by_delta(simulate: Simulate) -> None:
+    result = simulate("SendOnDelta", 20, step=0.05)
+    expected, level, t = [], 0, 0.0  # in units of delta
+    while True:
+        crossings = []
+        for goal in (level + 1, level - 1):
+            if abs(0.3 * goal) < 1:
+                angle = math.asin(0.3 * goal)
+                for first in (angle, math.pi - angle):
+                    crossings.append((first + 2 * math.pi * math.ceil((t - first) / (2 * math.pi) + 1e-9), goal))
+        t, level = min(crossings)
+        if t > 20:
+            break
+        expected.append((t, level))
+    assert len(expected) > 30
+    for row in result[1:]:
+        before = [crossing for crossing in expected if crossing[0] <= row["time"]]
+        assert row["messages"] == len(before)
+        if before:
+            assert row["last"] == pytest.approx(before[-1][0], abs=1e-7)
+            assert row["sent"] == pytest.approx(0.3 * before[-1][1], abs=1e-7)

@@ -14,7 +14,7 @@ from cosim.dae.functions import call, component, components
 from cosim.dae.hybrid import SX, Relation
 from cosim.dae.statements import missing, nothing
 from cosim.dae.symbolic import evaluate as number_of
-from cosim.dae.symbols import Evaluate, Mode
+from cosim.dae.symbols import Evaluate, Mode, held_previous
 from cosim.modelica.expressions import (
     Array,
     Binary,
@@ -312,6 +312,8 @@ class Evaluator(Evaluate):
         if news:
             current = [self.symbols.scalars[symbol.name()[4:-1]].symbol for symbol in news]
             indicator = ca.substitute(indicator, ca.vertcat(*news), ca.vertcat(*current))
+        for symbol in (s for s in ca.symvar(indicator) if s.name().startswith("pre(")):
+            indicator = ca.substitute(indicator, symbol, held_previous(self.symbols, symbol))
         for relation in system.relations:
             if relation.strict == strict and ca.is_equal(relation.indicator, indicator, 50):
                 return relation.symbol

@@ -8,10 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
+import casadi as ca
+
 from cosim.dae.hybrid import SX, Check, HybridSystem, Scalar
 from cosim.errors import ModelError
 from cosim.modelica.expressions import Expression
-from cosim.modelica.flat import FlatModel, Variable
+from cosim.modelica.flat import FlatModel, Type, Variable
 
 
 class Mode(enum.Enum):
@@ -62,10 +64,10 @@ def element_names(name: str, dimensions: tuple[int, ...]) -> list[str]:
     return [f"{name}[{i + 1},{j + 1}]" for j in range(columns) for i in range(rows)]
 
 
-def declare_held(symbols: Symbols, name: str, kind: str = "Integer") -> None:
+def declare_held(symbols: Symbols, name: str, kind: Type = "Integer") -> None:
     """Make a discrete variable of our own."""
     variable = Variable(
-        name=name, type="Integer" if kind == "Integer" else "Boolean", variability="discrete", causality="local",
+        name=name, type=kind, variability="discrete", causality="local",
         dimensions=(), start=None, fixed=None, binding=None, minimum=None, maximum=None, nominal=None, unit=None,
         display_unit=None, quantity=None, description=None, state_select="default", final=False, protected=True,
         literals=(), at=0,
@@ -79,6 +81,18 @@ def declare_held(symbols: Symbols, name: str, kind: str = "Integer") -> None:
     symbols.system.discretes[name] = scalar
     symbols.system.pre[name] = symbols.pre[name]
     symbols.system.new[name] = symbols.new[name]
+
+
+def held_previous(symbols: Symbols, previous: SX) -> SX:
+    """A discrete variable that has the value of ``pre(d)`` also between events, where relations are watched."""
+    held = next((h for h in symbols.held if ca.is_equal(h.value, previous)), None)
+    if held is None:
+        text = previous.name()
+        held = Held(f"$pre{len(symbols.held) + 1}", previous, text, 0)
+        symbols.held.append(held)
+        declare_held(symbols, held.name, "Real")
+        symbols.scalars[held.name].start = symbols.scalars[text[4:-1]].start
+    return symbols.scalars[held.name].symbol
 
 
 @dataclass(frozen=True)
