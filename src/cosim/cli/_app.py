@@ -205,3 +205,30 @@ def linearize_command(
                 out=out,
             )
         screen.document(document | {"warnings": found})
+
+
+@app.command(name="score")
+def score_command(
+    results: Annotated[
+        list[Path], typer.Argument(metavar="RESULT...", help="Folders written by cosim run.", show_default=False)
+    ],
+    *,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="NAME=VALUE", help="Choose where the source is open, such as 'early=50 ms'. Repeatable."
+        ),
+    ] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--column", metavar="SIGNAL=COLUMN", help="Take this column for a signal. Repeatable."),
+    ] = None,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Score results by the thesis's criteria: parks and turning points that the profile predicted."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._score import score_results
+
+        raise typer.Exit(score_results(results, settings or [], columns or [], screen))
