@@ -18,6 +18,7 @@ from cosim.cli import _run
 from cosim.cli._app import app
 from cosim.engine import Fmu, System, Variable
 from cosim.errors import InputError, ModelError, ModelWarning
+from cosim.fmu import toolchain
 from cosim.fmu.versions import FmiChoice, file_name, versions_of
 
 Cosim = Callable[..., Result]
@@ -70,7 +71,7 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         asked.append(name)
         return Path(f"{name}.fmu")
 
-    def build(names: list[str] | None, out: Path | None, fmi: FmiChoice) -> list[Path]:
+    def build(names: list[str] | None, out: Path | None, fmi: FmiChoice, platforms: str) -> list[Path]:
         if names and "linkgae" in names:
             raise InputError("no built-in plant or controller 'linkgae'")
         return [
@@ -79,7 +80,7 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[str]:
             for version in versions_of(fmi)
         ]
 
-    def pack_all(dae: str, out: Path, *, fmi: FmiChoice) -> list[Path]:
+    def pack_all(dae: str, out: Path, *, fmi: FmiChoice, platforms: str) -> list[Path]:
         return [out / file_name(dae.rpartition(".")[2], version) for version in versions_of(fmi)]
 
     def compile_model(file: Path, model: str, *, strict_units: bool = False) -> str:
@@ -98,7 +99,12 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     fmu.pack_all = pack_all
     dae: Any = ModuleType("cosim.dae")
     dae.explain = lambda compiled: f"explained: {compiled}"
-    for name, module in {"cosim.fmu": fmu, "cosim.fmu.catalogue": catalogue, "cosim.dae": dae}.items():
+    for name, module in {
+        "cosim.fmu": fmu,
+        "cosim.fmu.toolchain": toolchain,
+        "cosim.fmu.catalogue": catalogue,
+        "cosim.dae": dae,
+    }.items():
         monkeypatch.setitem(sys.modules, name, module)
     return asked
 

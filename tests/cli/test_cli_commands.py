@@ -35,8 +35,9 @@ def test_build(cosim: Cosim) -> None:
             "no built-in plant or controller 'linkgae'",
         ),
         (
-            ("build", "--platform", "all"),
-            "--platform all: this version builds for 'host' only, the machine it runs on",
+            ("build", "--platform", "sparc"),
+            "--platform sparc: no platform 'sparc'; there are host, all, x86_64-linux, aarch64-linux, x86_64-windows, "
+            "x86_64-darwin, aarch64-darwin",
         ),
         (
             ("build", "--fmi", "1.0"),

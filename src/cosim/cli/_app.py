@@ -23,7 +23,13 @@ app = typer.Typer(
 
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout instead of text.")]
-Platform = Annotated[str, typer.Option(help="Platform of the FMU's binary; 'host' is this machine.")]
+Platform = Annotated[
+    str,
+    typer.Option(
+        metavar="host|all|LIST",
+        help="Platforms of the FMU's binaries: this machine's, all, or names such as x86_64-linux,x86_64-windows.",
+    ),
+]
 StrictUnits = Annotated[
     bool, typer.Option("--strict-units", help="Refuse a model whose units do not fit, instead of a warning.")
 ]
@@ -105,7 +111,7 @@ def build(
 
         choice = check_target(platform, fmi)
         with warned(screen), screen.working("building FMUs"):
-            paths = build_all(names or None, out, choice, strict_units=strict_units)
+            paths = build_all(names or None, out, choice, platform, strict_units=strict_units)
         screen.document({"fmus": [str(path) for path in paths]})
         for path in paths:
             screen.say(str(path))
@@ -145,7 +151,7 @@ def export(
 
         choice = check_target(platform, fmi)
         with warned(screen) as found, screen.working(f"compiling {model}"):
-            paths, text = export_model(file, model, out, choice, strict_units=strict_units, explain=explain)
+            paths, text = export_model(file, model, out, choice, platform, strict_units=strict_units, explain=explain)
         document: dict[str, object] = {"fmu": str(paths[0]), "fmus": [str(path) for path in paths]}
         screen.document(document | {"explanation": text, "warnings": found})
         if text is not None:

@@ -5,19 +5,25 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cosim.errors import InputError
+from cosim.errors import BuildError, InputError
 
 if TYPE_CHECKING:
     from cosim.fmu.versions import FmiChoice
 
 
-def check_target(platform: str, fmi: str) -> FmiChoice:
-    """Return the choice of FMI versions; refuse others, and platforms that are not built, with `InputError`."""
-    if platform != "host":
-        raise InputError(f"--platform {platform}: this version builds for 'host' only, the machine it runs on")
+def check_target(platforms: str, fmi: str) -> FmiChoice:
+    """Return the choice of FMI versions; refuse others, and platforms there are no builds for, with `InputError`."""
+    from cosim.fmu.toolchain import chosen
+    from cosim.fmu.versions import versions_of
+
     choices: dict[str, FmiChoice] = {"3.0": "3.0", "2.0": "2.0", "both": "both"}
     if fmi not in choices:
         raise InputError(f"--fmi {fmi}: FMUs are built for FMI 3.0 or 2.0; accepted are {', '.join(choices)}")
+    for version in versions_of(choices[fmi]):
+        try:
+            chosen(platforms, version)
+        except BuildError as error:
+            raise InputError(f"--platform {platforms}: {error}") from error
     return choices[fmi]
 
 
@@ -29,7 +35,9 @@ def locate(name: str) -> Path:
     return path
 
 
-def build_all(names: list[str] | None, out: Path | None, fmi: FmiChoice, *, strict_units: bool = False) -> list[Path]:
+def build_all(
+    names: list[str] | None, out: Path | None, fmi: FmiChoice, platforms: str, *, strict_units: bool = False
+) -> list[Path]:
     """Build the named built-in FMUs, or all of them, into ``out`` or the default place.
 
     ``strict_units`` looks at the units of all of them first, also of those that are up to date.
@@ -42,12 +50,19 @@ def build_all(names: list[str] | None, out: Path | None, fmi: FmiChoice, *, stri
         for entry in [catalogue.entry_of(name) for name in names or catalogue.names()]:
             flat = flatten(Source.read(entry.source), entry.model)
             refuse_mismatches(flat, check_units(flat))
-    paths: list[Path] = catalogue.build(names, out, fmi)
+    paths: list[Path] = catalogue.build(names, out, fmi, platforms)
     return paths
 
 
 def export_model(
-    file: Path, model: str, out: Path, fmi: FmiChoice, *, strict_units: bool = False, explain: bool = False
+    file: Path,
+    model: str,
+    out: Path,
+    fmi: FmiChoice,
+    platforms: str,
+    *,
+    strict_units: bool = False,
+    explain: bool = False,
 ) -> tuple[list[Path], str | None]:
     """Compile a Modelica model into an FMU, or one of each FMI version, in the folder ``out``; return the paths.
 
@@ -57,7 +72,7 @@ def export_model(
 
     check_there(file)
     dae = compile_model(file, model, strict_units=strict_units)
-    paths: list[Path] = pack_all(dae, out, fmi=fmi)
+    paths: list[Path] = pack_all(dae, out, fmi=fmi, platforms=platforms)
     if not explain:
         return paths, None
     from cosim.dae import explain as explanation

@@ -77,15 +77,19 @@ def ensure(name: str, fmi: FmiVersion = "3.0") -> Path:
     return _build(entry_of(name), build_folder(), fmi)[0]
 
 
-def build(wanted: Iterable[str] | None = None, out: Path | None = None, fmi: FmiChoice = "3.0") -> list[Path]:
+def build(
+    wanted: Iterable[str] | None = None, out: Path | None = None, fmi: FmiChoice = "3.0", platforms: str = "host"
+) -> list[Path]:
     """Build the FMUs of these names (all by default) where they are missing or out of date; their paths.
+
+    ``platforms`` as :func:`cosim.fmu.toolchain.chosen` takes it. An FMU for more platforms than asked for will do.
 
     Raises:
         InputError: there is no such entry.
         ModelError, BuildError: one cannot be built.
     """
     entries = [entry_of(name) for name in (wanted or names())]
-    return [path for entry in entries for path in _build(entry, out or build_folder(), fmi)]
+    return [path for entry in entries for path in _build(entry, out or build_folder(), fmi, platforms)]
 
 
 def entry_of(name: str) -> CatalogueEntry:
@@ -102,13 +106,13 @@ def entry_of(name: str) -> CatalogueEntry:
     )
 
 
-def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice) -> list[Path]:
+def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice, platforms: str = "host") -> list[Path]:
     versions = versions_of(choice)
     paths = {fmi: out / file_name(entry.fmu_name, fmi) for fmi in versions}
     wanted = _hash(entry)
 
     def outdated() -> list[FmiVersion]:
-        return [fmi for fmi in versions if _recorded_hash(paths[fmi]) != wanted]
+        return [fmi for fmi in versions if not _up_to_date(paths[fmi], wanted, _folders(platforms, fmi))]
 
     if outdated():
         from filelock import FileLock
@@ -125,6 +129,7 @@ def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice) -> list[Path]:
                     out,
                     fmi="both" if len(missing) > 1 else missing[0],
                     build_hash=wanted,
+                    platforms=platforms,
                 )
     return list(paths.values())
 
@@ -143,21 +148,26 @@ def _cache_folder() -> Path:
     return Path(platformdirs.user_cache_dir("wiper-cosim"))
 
 
-def _recorded_hash(path: Path) -> str | None:
+def _folders(platforms: str, fmi: FmiVersion) -> set[str]:
+    from cosim.fmu.toolchain import chosen
+
+    return {f"binaries/{target.folder(fmi)}/" for target in chosen(platforms, fmi)}
+
+
+def _up_to_date(path: Path, wanted: str, folders: set[str]) -> bool:
+    """Whether there is an FMU with this hash, and with a binary in each of these folders."""
     try:
         with zipfile.ZipFile(path) as archive:
             record = json.loads(archive.read("extra/io.github.wiper-cosim/build.json"))
+            present = {name[: name.rindex("/") + 1] for name in archive.namelist() if name.startswith("binaries/")}
     except (OSError, KeyError, ValueError, zipfile.BadZipFile):
-        return None
-    found = record.get("hash")
-    return found if isinstance(found, str) else None
+        return False
+    return bool(record.get("hash") == wanted and folders <= present)
 
 
 def _hash(entry: CatalogueEntry) -> str:
     """Digest of everything the FMU is made from: the model's text, the compiler, the runtime, the tools' versions."""
-    from cosim.fmu.toolchain import host
-
-    digest = hashlib.sha256(f"{entry.model} {host().fmi3}".encode())
+    digest = hashlib.sha256(entry.model.encode())
     files = sorted(entry.source.rglob("*.mo")) + sorted(entry.source.rglob("package.order"))
     files += sorted((_PACKAGE / "fmu" / "runtime").glob("*.[ch]"))
     for folder in ("modelica", "dae", "fmu"):

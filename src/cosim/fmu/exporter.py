@@ -9,6 +9,7 @@ import re
 import tempfile
 import warnings
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from cosim.fmu.codegen import generate
 from cosim.fmu.description import describe
 from cosim.fmu.description2 import describe2
 from cosim.fmu.layout import lay_out
-from cosim.fmu.toolchain import RUNTIME, compile_library, fmi_headers, host, runtime_sources
+from cosim.fmu.toolchain import RUNTIME, Platform, chosen, compile_library, fmi_headers, runtime_sources
 from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
 from cosim.modelica import Source, check_units, flatten, refuse_mismatches
 
@@ -46,8 +47,18 @@ def compile_model(file: Path, model: str, *, strict_units: bool = False) -> Dae:
     return compile_dae(flat)
 
 
-def export(file: Path, model: str, out: Path, *, fmi: FmiVersion = "3.0", build_hash: str | None = None) -> Path:
-    """Compile one class of a Modelica file or package to an FMU in the folder ``out``, for this platform.
+def export(
+    file: Path,
+    model: str,
+    out: Path,
+    *,
+    fmi: FmiVersion = "3.0",
+    build_hash: str | None = None,
+    platforms: str = "host",
+) -> Path:
+    """Compile one class of a Modelica file or package to an FMU in the folder ``out``.
+
+    ``platforms`` is "host", "all", or names separated by commas, as :func:`cosim.fmu.toolchain.chosen` takes them.
 
     The FMI 3.0 file is ``<last part of the model's name>.fmu``, the FMI 2.0 one ends in ``.fmi2.fmu``. It is written
     beside its place and moved there, so that it is never seen half done.
@@ -56,7 +67,7 @@ def export(file: Path, model: str, out: Path, *, fmi: FmiVersion = "3.0", build_
         ModelError: the model is wrong or uses something unsupported.
         BuildError: there is no C compiler, or it failed.
     """
-    return pack(compile_model(file, model), out, fmi=fmi, build_hash=build_hash)
+    return pack(compile_model(file, model), out, fmi=fmi, build_hash=build_hash, platforms=platforms)
 
 
 def export_all(
@@ -67,19 +78,25 @@ def export_all(
     fmi: FmiChoice = "both",
     build_hash: str | None = None,
     strict_units: bool = False,
+    platforms: str = "host",
 ) -> list[Path]:
     """Compile one class once and write it as an FMU of each chosen FMI version; see :func:`export`."""
     dae = compile_model(file, model, strict_units=strict_units)
-    return pack_all(dae, out, fmi=fmi, build_hash=build_hash)
+    return pack_all(dae, out, fmi=fmi, build_hash=build_hash, platforms=platforms)
 
 
-def pack_all(dae: Dae, out: Path, *, fmi: FmiChoice = "both", build_hash: str | None = None) -> list[Path]:
+def pack_all(
+    dae: Dae, out: Path, *, fmi: FmiChoice = "both", build_hash: str | None = None, platforms: str = "host"
+) -> list[Path]:
     """Write a compiled model as an FMU of each chosen FMI version; see :func:`export`."""
-    return [pack(dae, out, fmi=version, build_hash=build_hash) for version in versions_of(fmi)]
+    return [pack(dae, out, fmi=version, build_hash=build_hash, platforms=platforms) for version in versions_of(fmi)]
 
 
-def pack(dae: Dae, out: Path, *, fmi: FmiVersion = "3.0", build_hash: str | None = None) -> Path:
-    """Write a compiled model as an FMU; see :func:`export`."""
+def pack(
+    dae: Dae, out: Path, *, fmi: FmiVersion = "3.0", build_hash: str | None = None, platforms: str = "host"
+) -> Path:
+    """Write a compiled model as an FMU for the platforms that :func:`toolchain.chosen` takes; see :func:`export`."""
+    targets = chosen(platforms, fmi)
     identifier = re.sub(r"\W", "_", dae.name.rpartition(".")[2])
     layout = lay_out(dae)
     sources = generate(dae, layout, _TOKEN)
@@ -87,17 +104,28 @@ def pack(dae: Dae, out: Path, *, fmi: FmiVersion = "3.0", build_hash: str | None
     token = _token(sources, description)
     sources = {name: text.replace(_TOKEN, token) for name, text in sources.items()}
     description = description.replace(_TOKEN.encode(), token.encode())
-    target = host()
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="cosim-build-") as temporary:
         folder = Path(temporary)
         for name, text in sources.items():
             (folder / name).write_text(text, encoding="utf-8")
-        library = folder / f"{identifier}{target.suffix}"
-        compile_library([folder / "model.c", *runtime_sources(fmi)], [folder, RUNTIME, fmi_headers()], library, fmi)
+        inputs = [folder / "model.c", *runtime_sources(fmi)], [folder, RUNTIME, fmi_headers()]
+
+        def library(target: Platform) -> bytes:
+            # a folder each, since the compiler puts other files beside a library for Windows
+            path = folder / target.fmi3 / f"{identifier}{target.suffix}"
+            path.parent.mkdir()
+            compile_library(*inputs, path, fmi, target)
+            return path.read_bytes()
+
+        with ThreadPoolExecutor(os.cpu_count()) as threads:
+            libraries = list(threads.map(library, targets))
         files = {
             "modelDescription.xml": description,
-            f"binaries/{target.folder(fmi)}/{library.name}": library.read_bytes(),
+            **{
+                f"binaries/{target.folder(fmi)}/{identifier}{target.suffix}": content
+                for target, content in zip(targets, libraries, strict=True)
+            },
             BUILD_RECORD: _record(dae, build_hash),
             "documentation/licenses/LICENSE.txt": (RUNTIME / "LICENSE").read_bytes(),
         }

@@ -1,8 +1,7 @@
-"""Compiles C to a shared library for the host: with zig from PyPI, so that no compiler is needed, else with cc."""
+"""Compiles C to shared libraries for any platform with zig from PyPI, or with the system's cc for this one."""
 
 from __future__ import annotations
 
-import ctypes
 import importlib.util
 import platform
 import re
@@ -19,7 +18,17 @@ from cosim.fmu.versions import FmiVersion
 RUNTIME = Path(__file__).parent / "runtime"
 
 # no debug information: it holds the temporary folder's name, so that no two builds would be the same
-_FLAGS = ("-std=c11", "-O2", "-g0", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
+_FLAGS = (
+    "-std=c11",
+    "-O2",
+    "-g0",
+    "-s",
+    "-fPIC",
+    "-shared",
+    "-fvisibility=hidden",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+)
 
 
 @dataclass(frozen=True)
@@ -75,19 +84,50 @@ def fmi_headers() -> Path:
     return Path(found.submodule_search_locations[0]) / "c-code"
 
 
-def compiler() -> list[str]:
-    """The compiler command, without arguments.
+def chosen(names: str, fmi: FmiVersion = "3.0") -> tuple[Platform, ...]:
+    """The platforms that a choice stands for: "host", "all", or names such as "x86_64-linux,x86_64-windows".
+
+    FMI 2.0 names no processors, so its "all" are those on x86_64, and two of one system cannot be in one FMU.
+
+    Raises:
+        BuildError: there is no such platform, or two that do not go together.
+    """
+    if names == "host":
+        return (host(),)
+    wanted = [p for p in PLATFORMS if fmi == "3.0" or p.startswith("x86_64")] if names == "all" else names.split(",")
+    unknown = [name for name in wanted if name.strip() not in PLATFORMS]
+    if unknown:
+        raise BuildError(f"no platform '{unknown[0].strip()}'; there are host, all, {', '.join(PLATFORMS)}")
+    platforms = [PLATFORMS[name] for name in dict.fromkeys(name.strip() for name in wanted)]
+    by_folder: dict[str, list[str]] = {}
+    for target in platforms:
+        by_folder.setdefault(target.folder(fmi), []).append(target.fmi3)
+    for together in by_folder.values():
+        if len(together) > 1:
+            raise BuildError(
+                f"FMI 2.0 names no processors: {' and '.join(together)} do not fit into one FMU; "
+                "choose one of them, or FMI 3.0"
+            )
+    return tuple(platforms)
+
+
+def compiler(target: Platform | None = None) -> list[str]:
+    """The compiler command for a platform (default: this one), without arguments.
 
     Raises:
         BuildError: there is none.
     """
+    target = target or host()
     if importlib.util.find_spec("ziglang") is not None:
-        return [sys.executable, "-m", "ziglang", "cc", "-target", host().zig]
-    for name in ("cc", "gcc", "clang"):
-        path = shutil.which(name)
-        if path:
-            return [path]
-    raise BuildError("there is no C compiler; install one from PyPI with: pip install 'wiper-cosim[build]'")
+        return [sys.executable, "-m", "ziglang", "cc", "-target", target.zig]
+    if target == host():
+        for name in ("cc", "gcc", "clang"):
+            path = shutil.which(name)
+            if path:
+                return [path]
+    raise BuildError(
+        f"there is no C compiler for {target.fmi3}; install one from PyPI with: pip install 'wiper-cosim[build]'"
+    )
 
 
 def runtime_sources(fmi: FmiVersion) -> list[Path]:
@@ -96,20 +136,31 @@ def runtime_sources(fmi: FmiVersion) -> list[Path]:
     return [file for file in sorted(RUNTIME.glob("*.c")) if file.name.startswith(shell) or file.name[:3] != "fmi"]
 
 
-def compile_library(sources: Sequence[Path], includes: Sequence[Path], output: Path, fmi: FmiVersion = "3.0") -> None:
-    """Compile and link a shared library for the host.
+def compile_library(
+    sources: Sequence[Path],
+    includes: Sequence[Path],
+    output: Path,
+    fmi: FmiVersion = "3.0",
+    target: Platform | None = None,
+) -> None:
+    """Compile and link a shared library for a platform (default: this one).
 
     Raises:
         BuildError: the compiler is missing or reports an error, or the library does not export the FMI functions.
     """
-    command = [*compiler(), *_FLAGS, *(f"-I{folder}" for folder in includes), "-o", str(output)]
-    command += [str(source) for source in sources] + ([] if output.suffix == ".dll" else ["-lm"])
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    target = target or host()
+    # in the folder of the output, since a library for macOS holds its own name as it was given
+    command = [*compiler(target), *_FLAGS, *(f"-I{folder.resolve()}" for folder in includes), "-o", output.name]
+    command += [str(source.resolve()) for source in sources] + ([] if target.suffix == ".dll" else ["-lm"])
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=output.parent)
     if done.returncode != 0:
         raise BuildError(f"the C compiler failed ({command[0]}):\n{done.stderr.strip()[-3000:]}")
-    missing = [name for name in fmi_functions(fmi) if not _exports(output, name)]
+    found = _exported(output, target)
+    missing = [name for name in fmi_functions(fmi) if name not in found]
     if missing:
-        raise BuildError(f"the compiled library {output.name} does not export {missing[0]}: wrong header macros")
+        raise BuildError(
+            f"the compiled library {output.name} for {target.fmi3} does not export {missing[0]}: wrong header macros"
+        )
 
 
 def fmi_functions(fmi: FmiVersion) -> list[str]:
@@ -124,5 +175,16 @@ def fmi3_functions() -> list[str]:
     return fmi_functions("3.0")
 
 
-def _exports(library: Path, name: str) -> bool:
-    return hasattr(ctypes.CDLL(str(library)), name)
+def _exported(library: Path, target: Platform) -> set[str]:
+    """The names that a library exports, in C's spelling."""
+    import lief
+
+    lief.logging.disable()  # it speaks of parts that no FMU needs
+    parsed = lief.parse(str(library))
+    if isinstance(parsed, lief.PE.Binary):
+        table = parsed.get_export()
+        return {str(entry.name) for entry in table.entries} if table else set()
+    if isinstance(parsed, lief.ELF.Binary | lief.MachO.Binary):
+        underscore = "_" if target.suffix == ".dylib" else ""
+        return {str(symbol.name).removeprefix(underscore) for symbol in parsed.exported_symbols}
+    raise BuildError(f"the compiled library {library.name} for {target.fmi3} cannot be read")
