@@ -227,3 +227,14 @@ def test_the_value_of_a_condition_is_not_taken_for_zero(tmp_path: Path) -> None:
     dae = compile_text(tmp_path, "  Real x; Boolean b;\nequation\n  b = time > 1;\n  x = if b then 1 else 0;")
     (published,) = [p.value for p in dae.published if p.scalar.name == "x"]
     assert not published.is_constant()
+
+
+def test_every_element_has_its_own_nominal_value(tmp_path: Path) -> None:
+    """Each of an array, and by a parameter's default where it follows from one."""
+    file = tmp_path / "Sizes.mo"
+    file.write_text(
+        "model Sizes\n  parameter Real p = 1e-4;\n  Real x[2](each start=1, each fixed=true, nominal={10, 1e-3});\n"
+        "  Real y(start=1, fixed=true, nominal=2*p);\nequation\n  der(x) = -x;\n  der(y) = -y;\nend Sizes;\n"
+    )
+    states = compile_model(file, "Sizes").states
+    assert {state.name: state.nominal for state in states} == {"x[1]": 10.0, "x[2]": 1e-3, "y": 2e-4}

@@ -16,7 +16,7 @@ from cosim.dae.initialization import initial_system
 from cosim.dae.lower import lower
 from cosim.dae.state_selection import Selection, select_states
 from cosim.dae.structure import check_structure, deficient, listed, placed, singular
-from cosim.dae.symbolic import evaluate, substitute
+from cosim.dae.symbolic import default_values, evaluate, substitute
 from cosim.dae.tearing import Singular, Solution, solve
 from cosim.modelica.flat import FlatModel
 
@@ -33,18 +33,11 @@ def compile_dae(flat: FlatModel) -> Dae:
     chains = eliminate_aliases(system)
     after_aliases = len(chains.equations)
     differentiated = reduce_index(chains)
-    parameters = _default_parameters(system)
+    parameters = default_values(system.parameters)
     selection = select_states(differentiated, _start_point(system, chains, parameters))
     solution = _solve(differentiated, selection, parameters)
     sizes = Sizes(len(system.equations), after_aliases, len(differentiated.equations), differentiated.index)
     return _Assembly(system, differentiated, selection, solution).dae(sizes, parameters)
-
-
-def _default_parameters(system: HybridSystem) -> dict[str, float]:
-    values: dict[str, float] = {}
-    for parameter in system.parameters:
-        values[parameter.scalar.name] = float(evaluate(parameter.value, values))
-    return values
 
 
 def _start_point(system: HybridSystem, chains: Chains, parameters: dict[str, float]) -> dict[str, float]:

@@ -11,6 +11,8 @@ from cosim.dae.algorithms import initial_values, lower_algorithm, set_start, sta
 from cosim.dae.discrete import lower_discrete, order_discrete
 from cosim.dae.evaluate import Evaluator
 from cosim.dae.hybrid import SX, Check, Equation, HybridSystem, Parameter, Scalar
+from cosim.dae.symbolic import default_values
+from cosim.dae.symbolic import evaluate as number
 from cosim.dae.symbols import Mode, Symbols, element_names
 from cosim.dae.texts import text
 from cosim.errors import InputError
@@ -186,13 +188,14 @@ def _parameters(symbols: Symbols) -> None:
 
 def _starts(symbols: Symbols) -> None:
     evaluate = Evaluator(symbols, Mode.PARAMETER)
+    defaults = default_values(symbols.system.parameters)
     for variable in symbols.flat.variables.values():
         names = element_names(variable.name, variable.dimensions)
         if variable.nominal is not None:
-            nominal = evaluate(variable.nominal)
-            if nominal.is_constant():
-                for name in names:
-                    symbols.scalars[name].nominal = abs(float(ca.DM(nominal[0]))) or 1.0
+            nominal = ca.vertsplit(ca.vec(evaluate(variable.nominal)))
+            for position, name in enumerate(names):
+                size = float(number(nominal[position if len(nominal) > 1 else 0], defaults))
+                symbols.scalars[name].nominal = abs(size) or 1.0
         if variable.variability in ("parameter", "constant") or variable.start is None:
             continue
         start = ca.vertsplit(ca.vec(evaluate(variable.start)))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import casadi as ca
 
-from cosim.dae.hybrid import SX
+from cosim.dae.hybrid import SX, Parameter
 
 _ARITHMETIC = {ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_ASSIGN, ca.OP_ADD, ca.OP_SUB, ca.OP_NEG, ca.OP_TWICE,
                ca.OP_MUL, ca.OP_DIV}  # fmt: skip
@@ -46,6 +46,14 @@ def evaluate(expression: SX, values: Mapping[str, float]) -> ca.DM:
     symbols = ca.symvar(expression)
     function = ca.Function("value", [ca.vertcat(SX(0, 1), *symbols)], [expression])
     return function(ca.DM([values[s.name()] for s in symbols]))
+
+
+def default_values(parameters: Iterable[Parameter]) -> dict[str, float]:
+    """What parameters are if nobody sets them; each comes after the ones that it depends on."""
+    values: dict[str, float] = {}
+    for parameter in parameters:
+        values[parameter.scalar.name] = float(evaluate(parameter.value, values))
+    return values
 
 
 def depends(expression: SX, on: SX) -> bool:
