@@ -213,6 +213,21 @@ def linearize_command(
         screen.document(document | {"warnings": found})
 
 
+@app.command()
+def thesis(
+    *,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="The folder thesis/ is made in.")] = Path("results"),
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Simulate what the source shows, and draw its figures and table 4.1."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._thesis import reproduce_thesis
+
+        reproduce_thesis(out / "thesis", screen)
+
+
 @app.command(name="score")
 def score_command(
     results: Annotated[

@@ -1,0 +1,72 @@
+"""The simulations behind the figures: the shipped scenarios, with what the source varies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosim.assessment import Score, score
+from cosim.engine import Channel, Component, Fmu, Result, System, simulate
+from cosim.scenario import assemble, read
+
+SAMPLE_TIMES = (0.001, 0.002, 0.010, 0.020, 0.050)
+"""Sampling times of the current in section 4.5 [s]."""
+
+Locate = Callable[[str], Path]
+
+
+@dataclass(frozen=True)
+class RigRun:
+    """A run of the lifetime-test rig as in chapter 4: the current's sampling time [s], the result, its score."""
+
+    sample_time: float
+    load: str
+    result: Result
+    score: Score
+
+
+def scenario_run(file: Path, locate: Locate, *settings: str) -> Result:
+    """Simulate a scenario file with ``name=value`` settings, as ``cosim run --set`` does."""
+    scenario = read(file, settings)
+    return simulate(
+        assemble(scenario, locate),
+        stop=scenario.stop,
+        output_interval=scenario.output_interval,
+        tolerance=scenario.tolerance,
+    )
+
+
+def rig_runs(scenarios: Path, locate: Locate) -> list[RigRun]:
+    """The rig under the profile for each sampling time, with its normal load."""
+    runs = []
+    for sample_time in SAMPLE_TIMES:
+        result = scenario_run(scenarios / "rig_20ms.csv", locate, f"controller.T_sample={sample_time!r} s")
+        runs.append(RigRun(sample_time, "normal", result, score(result)))
+    return runs
+
+
+def linkage_runs(scenarios: Path, locate: Locate) -> dict[str, Result]:
+    """The linkage at full voltage with the naive load of figure 3.4 and with the simple one of equation 3.1."""
+    file = scenarios / "linkage_full_voltage.csv"
+    return {
+        "naive": scenario_run(file, locate, "plant.naive_load=true"),
+        "simple": scenario_run(file, locate),
+    }
+
+
+def profile_run(locate: Locate, *, stop: float = 4.0) -> Result:
+    """The controller alone, as figure 3.12 draws it: half a revolution of 1 s, a current that invites every turn.
+
+    The half revolution is the one that the chart assumes until it has measured one; the park contact closes at the
+    start only, so that every end is predicted. The soft stop lasts as long as the other ramps.
+    """
+    with Fmu.read(locate("voltage_profile")) as fmu:
+        system = System(
+            [Component("controller", fmu, {"stop_ratio": 1.0})],
+            channels=[
+                Channel(("controller", "i_motor"), [0.0], [0.5]),
+                Channel(("controller", "park"), [0.0, 0.05, 0.05], [1.0, 1.0, 0.0]),
+            ],
+        )
+        return simulate(system, stop=stop, output_interval=1e-3, tolerance=1e-6)
