@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import numpy as np
@@ -75,3 +76,19 @@ def test_the_example_of_the_documentation() -> None:
     assert strict.counts.park_deceleration == 1
     early = [r.ended_before for r in strict.revolutions if not r.park_deceleration]
     assert [min(early), max(early)] == pytest.approx([0.001, 0.15], abs=0.005)
+
+
+def test_the_vibration_table_of_the_documentation() -> None:
+    spec = spec_from_file_location("vibration_comparison", ROOT / "docs" / "vibration_comparison.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    page = (ROOT / "docs" / "scoring.md").read_text(encoding="utf-8")
+    shown = page.partition("prints the table.)\n\n")[2].partition("\n\n")[0].splitlines()
+    made = module.table()
+    assert [line.split("|")[1] for line in shown] == [line.split("|")[1] for line in made]
+    for a, b in zip(shown[2:], made[2:], strict=True):
+        assert [float(cell) for cell in a.split("|")[2:-1]] == pytest.approx(
+            [float(cell) for cell in b.split("|")[2:-1]], rel=0.02
+        )

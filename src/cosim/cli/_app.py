@@ -234,6 +234,12 @@ def score_command(
         list[Path], typer.Argument(metavar="RESULT...", help="Folders written by cosim run.", show_default=False)
     ],
     *,
+    vibration: Annotated[
+        bool, typer.Option("--vibration", help="Measure torque, current, rates, shocks, spectrum and power instead.")
+    ] = False,
+    against: Annotated[
+        Path | None, typer.Option(metavar="BASELINE", help="Give the ratios of the vibration to this result's.")
+    ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -247,9 +253,13 @@ def score_command(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Score results by the thesis's criteria: parks and turning points that the profile predicted."""
+    """Score results by the criteria of the thesis: predicted parks and turning points; or measure their vibration."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
+        if vibration or against is not None:
+            from cosim.cli._vibration import measure_results
+
+            raise typer.Exit(measure_results(results, against, settings or [], columns or [], screen))
         from cosim.cli._score import score_results
 
         raise typer.Exit(score_results(results, settings or [], columns or [], screen))

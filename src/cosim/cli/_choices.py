@@ -1,0 +1,83 @@
+"""Options of ``cosim score``: choices by name, columns by signal; and how it prints tables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import Field, fields
+from typing import Any, TypeVar
+
+from cosim.assessment import Method, Rules
+from cosim.errors import InputError
+from cosim.units import compatible, convert, parse, quantity
+
+Choices = TypeVar("Choices", Rules, Method)
+
+
+def choices(kind: type[Choices], settings: Sequence[str]) -> Choices:
+    """Return the dataclass with what ``--set name=value`` says; numbers carry units, as in scenario files."""
+    known: dict[str, Field[Any]] = {entry.name: entry for entry in fields(kind)}
+    given: dict[str, Any] = {}
+    for text in settings:
+        name, sign, value = (part.strip() for part in text.partition("="))
+        if not sign or not value:
+            raise InputError(f"--set {text}: write name=value, such as --set 'early=50 ms'")
+        if name not in known:
+            raise InputError(f"--set {text}: there is no '{name}'; accepted are {', '.join(known)}")
+        given[name] = _value(known[name], value, text)
+    return kind(**given)
+
+
+def _value(entry: Field[Any], value: str, text: str) -> object:
+    if isinstance(entry.default, bool):
+        if value.lower() not in ("true", "false", "0", "1"):
+            raise InputError(f"--set {text}: accepted are true and false")
+        return value.lower() in ("true", "1")
+    if isinstance(entry.default, tuple):
+        return tuple(_plain(part, text) for part in value.split(","))
+    if isinstance(entry.default, int):
+        return int(_plain(value, text))
+    if "unit" not in entry.metadata:
+        return value
+    if value == "inf":
+        return float("inf")
+    unit = parse(entry.metadata["unit"])
+    number, found = quantity(value)
+    if found.text == "1":
+        return number
+    if not compatible(found, unit):
+        raise InputError(f"--set {text}: {entry.name} is in {unit}")
+    return convert(number, found, unit)
+
+
+def _plain(value: str, text: str) -> float:
+    try:
+        number, unit = quantity(value)
+    except InputError:
+        raise InputError(f"--set {text}: '{value}' is not a number") from None
+    if unit.text != "1":
+        raise InputError(f"--set {text}: write plain numbers, without a unit")
+    return number
+
+
+def aliases(columns: Sequence[str]) -> dict[str, str]:
+    """Read ``--column signal=component.variable``."""
+    found = {}
+    for text in columns:
+        signal, sign, column = (part.strip() for part in text.partition("="))
+        if not sign or not signal or not column:
+            raise InputError(f"--column {text}: write signal=column, such as --column park=sensor.contact")
+        found[signal] = column
+    return found
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int] = ()) -> list[str]:
+    """Return columns under each other, the first one and those in ``left`` to the left, the others to the right."""
+    widths = [max(len(row[k]) for row in [head, *rows]) for k in range(len(head))]
+    aligned = [
+        [
+            cell.ljust(width) if k in (0, *left) else cell.rjust(width)
+            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        for row in [head, *rows]
+    ]
+    return ["  ".join(row).rstrip() for row in aligned]
