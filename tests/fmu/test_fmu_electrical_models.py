@@ -110,17 +110,22 @@ def test_chuas_circuit_follows_its_matrix_in_each_of_its_three_regions(simulate:
     def region(x: float) -> int:
         return int(x > 1) - int(x < -1)
 
+    def over_a_row(now: int) -> np.ndarray:
+        """Where the origin and the three unit vectors are a row later."""
+        slope = outside if now else inside
+        A = np.array([[-9 * (1 + slope), 9, 0], [1, -1, 1], [0, -100 / 7, 0]])
+        b = np.array([-9 * now * (inside - outside), 0, 0])
+        return np.array([linear(A, b, x0, np.array([0.02]))[0] for x0 in np.vstack([np.zeros(3), np.eye(3)])])
+
+    rows = {now: over_a_row(now) for now in (-1, 0, 1)}
     # from row to row, where both ends and what is between are in one region, the motion is linear
     compared = np.zeros(3, int)
     for before, after in itertools.pairwise(result):
         now = region(before["x"])
         if region(after["x"]) != now or min(abs(abs(row["x"]) - 1) for row in (before, after)) < 0.1:
             continue
-        slope = outside if now else inside
-        A = np.array([[-9 * (1 + slope), 9, 0], [1, -1, 1], [0, -100 / 7, 0]])
-        b = np.array([-9 * now * (inside - outside), 0, 0])
         start = np.array([before[name] for name in "xyz"])
-        expected = linear(A, b, start, np.array([0.02]))[0]
+        expected = rows[now][0] + start @ (rows[now][1:] - rows[now][0])
         assert [after[name] for name in "xyz"] == pytest.approx(expected, abs=1e-7), before["time"]
         compared[now] += 1
     assert compared.min() > 10, "each region is visited"
