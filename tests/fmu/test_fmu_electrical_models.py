@@ -17,6 +17,7 @@ Simulate = Callable[..., Any]
 
 
 @pytest.mark.parametrize("w", [100.0, 80.0])
+@pytest.mark.slow
 def test_the_resonant_circuit_swings_up_as_its_matrix_says(simulate: Simulate, w: float) -> None:
     result = simulate("Resonance", 1, step=0.01, w=w)
     R, L, C = 1, 0.1, 1e-3
@@ -30,6 +31,7 @@ def test_the_resonant_circuit_swings_up_as_its_matrix_says(simulate: Simulate, w
         assert np.abs(result["v_C"]).max() == pytest.approx(100, rel=0.02)
 
 
+@pytest.mark.slow
 def test_the_transformer_couples_both_coils(simulate: Simulate) -> None:
     result = simulate("Transformer", 2, step=0.02, u=10.0)
     L, R = np.array([[0.4, 0.19], [0.19, 0.1]]), np.diag([2.0, 5.0])
@@ -39,6 +41,7 @@ def test_the_transformer_couples_both_coils(simulate: Simulate) -> None:
     assert result["i_2"] == pytest.approx(expected[:, 1], abs=1e-7)
 
 
+@pytest.mark.slow
 def test_the_motor_as_a_gyrator_starts_and_loses_no_energy_unseen(simulate: Simulate) -> None:
     result = simulate("GyratorMotor", 2, step=0.02)
     R, L, k, J, d, u = 1, 0.05, 0.2, 0.01, 0.01, 12

@@ -25,6 +25,7 @@ def test_the_masses_on_the_rope_accelerate_as_atwood_found(simulate: Simulate) -
 
 
 @pytest.mark.parametrize("shape", [0.5, 1.0])
+@pytest.mark.slow
 def test_a_wheel_rolls_slower_than_a_block_slides(simulate: Simulate, shape: float) -> None:
     result = simulate("RollingWheel", 2, step=0.1, shape=shape)
     a = G * math.sin(0.2) / (1 + shape)
@@ -56,6 +57,7 @@ def test_the_bead_on_the_cycloid_swings_in_the_same_time_from_everywhere(simulat
     assert result["E"] == pytest.approx(result["E"][0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_quarter_car_rides_as_its_matrix_says(simulate: Simulate) -> None:
     result = simulate("QuarterCar", 2, step=0.02, road=0.05)
     mb, mw, cb, db, ct = 300, 40, 2e4, 1500, 2e5
@@ -172,6 +174,7 @@ def test_the_ball_rests_when_it_has_become_slow(simulate: Simulate) -> None:
     assert (result["v"][down] == 0).all()
 
 
+@pytest.mark.slow
 def test_the_planet_is_where_keplers_equation_says(simulate: Simulate) -> None:
     result = simulate("Kepler", 20, step=0.5)
     e = 0.6

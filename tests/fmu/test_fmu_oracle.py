@@ -113,6 +113,11 @@ RUMOCA: dict[str, tuple[float, dict[str, float]]] = {
 }
 
 
+# plain differential equations: nothing in them is new to the compiler, so they are left to the long run
+PLAIN = {"Cyclotron", "GyratorMotor", "HeatModes", "Kepler", "Logistic", "LotkaVolterra", "QuarterCar", "Resonance"}
+PLAIN |= {"RollingWheel", "Transformer"}
+
+
 def test_every_small_model_is_compared_with_rumocas_solver() -> None:
     models = {file.stem for file in SMALL.glob("*.mo")} - {"package", "Parts"}
     assert len(models) >= 36
@@ -133,7 +138,9 @@ def by_rumoca(name: str, stop: float, step: float, inputs: dict[str, float]) -> 
     return columns | {"time": np.asarray(result.time, dtype=float)}
 
 
-@pytest.mark.parametrize("name", sorted(RUMOCA))
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in PLAIN)) for name in sorted(RUMOCA)]
+)
 def test_a_small_model_moves_as_rumocas_solver_says(simulate: Simulate, name: str) -> None:
     stop, inputs = RUMOCA[name]
     expected = by_rumoca(name, stop, stop / 37, inputs)

@@ -57,6 +57,7 @@ def test_edges_of_a_sine_are_counted(simulate: Simulate) -> None:
     assert result["last"][after] == pytest.approx(((up + 2 * math.pi * (rising - 1)) / 5)[after], abs=1e-11)
 
 
+@pytest.mark.slow
 def test_predators_and_prey_stay_on_their_closed_curve(simulate: Simulate) -> None:
     result = simulate("LotkaVolterra", 60, step=0.05)
     assert result["H"] == pytest.approx(result["H"][0], abs=1e-7)
@@ -68,11 +69,13 @@ def test_predators_and_prey_stay_on_their_closed_curve(simulate: Simulate) -> No
     assert period["y"].mean() == pytest.approx(1.1 / 0.4, rel=0.01)
 
 
+@pytest.mark.slow
 def test_growth_to_a_limit_is_the_logistic_curve(simulate: Simulate) -> None:
     result = simulate("Logistic", 12, step=0.1)
     assert result["N"] == pytest.approx(1000 / (1 + 99 * np.exp(-0.8 * result["time"])), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_harvest_that_the_stock_limits_leaves_the_smaller_limit(simulate: Simulate) -> None:
     result = simulate("Logistic", 12, step=0.1, q=0.5)
     # below the saturation the harvest only slows the growth: logistic again, with r - q
@@ -110,6 +113,7 @@ def test_the_force_along_a_given_path_is_its_second_derivative(simulate: Simulat
     assert result["F"] == pytest.approx(2 * a + 0.5 * v, abs=1e-11)
 
 
+@pytest.mark.slow
 def test_a_charged_particle_drifts_across_both_fields(simulate: Simulate) -> None:
     result = simulate("Cyclotron", 10, step=0.1)
     t, w, drift = result["time"], 4, 0.5
@@ -118,6 +122,7 @@ def test_a_charged_particle_drifts_across_both_fields(simulate: Simulate) -> Non
     assert result["y"] == pytest.approx((np.cos(w * t) - 1 + drift * np.sin(w * t)) / w - drift * t, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_each_mode_of_heat_decays_at_its_own_rate(simulate: Simulate) -> None:
     result = simulate("HeatModes", 1, step=0.05)
     n, a = 20, 30
