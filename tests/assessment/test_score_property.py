@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cosim.assessment import Rules, Trace, score
+from cosim.engine import simulate
+from cosim.fmu import catalogue
+from cosim.scenario import assemble, read
 from reference.controller import Controller, Parameters, State
 
 from .naive import DECELERATIONS, cycles_of
 
 TICK = 5e-3
 """The chart's period, coarse to be quick; the current is held for 20 ms [s]."""
+TURNS = {"turn_point_acc", "turn_point_dec"}
 Levels = list[tuple[float, float]]
 
 lengths = st.floats(0.02, 1.5)
@@ -91,6 +97,35 @@ def test_wider_tolerances_never_fail_what_passed(
         assert a.turn <= b.turn
     grouped = score(run, Rules(early=early, late=late)).counts
     assert grouped.park_deceleration <= wide.counts.park_deceleration
+
+
+@settings(max_examples=8, deadline=None)
+@given(
+    st.lists(st.tuples(st.floats(0.1, 2.0), st.floats(-8.0, 8.0)), min_size=1, max_size=10),
+    st.sampled_from([1, 5, 20, 50]),
+    st.sampled_from(["linkage", "rig"]),
+)
+def test_whatever_a_hand_on_the_load_does(pulses: Levels, sample_time: int, system: str) -> None:
+    # the FMUs in closed loop, braked and pushed at random at the gear's output shaft
+    ends = np.cumsum([length for length, _ in pulses])
+    rows = [
+        f"{at!r},{torque!r}" for at, torque in zip([0.0, *ends.tolist()], [*(t for _, t in pulses), 0.0], strict=True)
+    ]
+    text = f"# system: {system}\n# controller: voltage_profile\n# sample_time: {sample_time} ms\n# stop: 20 s\n"
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "pushed.csv"
+        file.write_text(text + "time [s],tau_disturbance [N.m]\n" + "\n".join(rows) + "\n")
+        result = simulate(assemble(read(file), catalogue.ensure), stop=20.0, output_interval=1e-3, tolerance=1e-6)
+    duty = result.columns["controller.duty"]
+    assert duty.min() >= 0.0
+    assert duty.max() <= 1.0
+    states = [result.literals["controller.state"][k - 1] for k in result.columns["controller.state"]]
+    cycles = cycles_of(states, (result.columns["plant.park"] > 0).tolist(), len(states))
+    found = score(result, Rules(position=np.inf))
+    assert len(found.revolutions) == len(cycles)
+    for revolution, cycle in zip(found.revolutions, cycles, strict=True):
+        assert {f.reason.split()[0] for f in revolution.failures if f.criterion == 3} == cycle.repeated
+        assert revolution.turn == ("turn_point_acc" in cycle.entered and not cycle.repeated & TURNS)
 
 
 def test_every_state_of_the_chart_is_known() -> None:
