@@ -10,7 +10,7 @@ from cosim.dae.alias import eliminate_aliases, plain_chains
 from cosim.dae.chains import Chains, Node
 from cosim.dae.constraints import constraints_of
 from cosim.dae.dae import Computed, Dae, Published, Reset, Sizes, Unknown
-from cosim.dae.hybrid import SX, HybridSystem, Scalar
+from cosim.dae.hybrid import SX, HybridSystem, Relation, Scalar
 from cosim.dae.index_reduction import Differentiated, reduce_index
 from cosim.dae.initialization import initial_system
 from cosim.dae.lower import lower
@@ -18,6 +18,7 @@ from cosim.dae.state_selection import Selection, select_states
 from cosim.dae.structure import check_structure, deficient, listed, placed, singular
 from cosim.dae.symbolic import default_values, evaluate, substitute
 from cosim.dae.tearing import Singular, Solution, solve
+from cosim.dae.time_events import slope_in_time
 from cosim.modelica.flat import FlatModel
 
 
@@ -98,6 +99,10 @@ class _Assembly:
     def resolve(self, expression: SX) -> SX:
         return substitute(expression, self._values)
 
+    def _relation(self, relation: Relation) -> Relation:
+        indicator = self.resolve(relation.indicator)
+        return replace(relation, indicator=indicator, slope=slope_in_time(indicator, self._system))
+
     def dae(self, sizes: Sizes, parameters: dict[str, float]) -> Dae:
         system, chains = self._system, self._chains
         states = [self._unknown(node) for node in self._selection.states]
@@ -129,7 +134,7 @@ class _Assembly:
             new=system.new,
             derivatives=derivatives,
             residuals=residuals,
-            relations=[replace(r, indicator=self.resolve(r.indicator)) for r in system.relations],
+            relations=[self._relation(r) for r in system.relations],
             clocks=system.clocks,
             assignments=[
                 replace(a, values=self.resolve(a.values), guard=None if a.guard is None else self.resolve(a.guard))

@@ -11,6 +11,8 @@ from cosim.dae.symbols import Evaluate, Held, Mode, declare_held
 from cosim.modelica.expressions import Call, render
 
 _INITIAL = "$initial"
+HELD_FLOOR = "$floor"
+"""How the names of held integers begin."""
 
 
 def _der(evaluate: Evaluate, node: Call) -> SX:
@@ -115,7 +117,7 @@ def _held_floor(evaluate: Evaluate, value: SX, node: Call) -> SX:
     symbols, text = evaluate.symbols, render(node)
     name = next((h.name for h in symbols.held if ca.is_equal(h.value, ca.floor(value), 50)), None)
     if name is None:
-        name = f"$floor{len(symbols.held) + 1}"
+        name = f"{HELD_FLOOR}{len(symbols.held) + 1}"
         symbols.held.append(Held(name, ca.floor(value), f"floor in {text}", node.at))
         declare_held(symbols, name)
         held = symbols.values[name]

@@ -78,11 +78,14 @@ def _blocks(dae: Dae) -> list[str]:
 
 
 def _events(dae: Dae) -> list[str]:
-    watched = f"{len(dae.relations)}, where one of these changes its value" if dae.relations else "none"
-    lines = _line("state events", watched)
-    lines += _items(relation.text for relation in dae.relations)
-    lines += _line("time events", _count(len(dae.clocks), "sample clock") if dae.clocks else "none")
-    lines += _items(_clock(dae, clock) for clock in dae.clocks)
+    watched = [relation.text for relation in dae.relations if not relation.slope]
+    known = [relation.text for relation in dae.relations if relation.slope]
+    lines = _line("state events", f"{len(watched)}, where one of these changes its value" if watched else "none")
+    lines += _items(watched)
+    kinds = [_count(len(dae.clocks), "sample clock")] if dae.clocks else []
+    kinds += [_count(len(known), "time relation")] if known else []
+    lines += _line("time events", ", ".join(kinds) or "none")
+    lines += _items([*(_clock(dae, clock) for clock in dae.clocks), *known])
     lines += _line("discrete variables", _listed([s.name for s in dae.discretes if not s.name.startswith("$")]))
     lines += _items(_assignment(assignment) for assignment in dae.assignments)
     if dae.resets:

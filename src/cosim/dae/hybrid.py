@@ -74,12 +74,17 @@ class Equation:
 
 @dataclass(frozen=True)
 class Relation:
-    """A condition on continuous quantities: true where the indicator is > 0 (strict) or >= 0."""
+    """A condition on continuous quantities: true where the indicator is > 0 (strict) or >= 0.
+
+    ``slope`` is the rate of an indicator that varies with time alone between events, at this constant rate, so that its
+    change is known beforehand: a time event. It is 0 for all others.
+    """
 
     symbol: SX
     indicator: SX
     strict: bool
     text: str
+    slope: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -79,6 +79,7 @@ class _Generator:
         }  # fmt: skip
         values |= constraint_sizes(dae.constraints)
         values["ALL_CLOCKED"] = int(_all_clocked(dae))
+        values["HAS_TIME_RELATIONS"] = int(any(r.slope for r in dae.relations))
         values["HAS_SWEEP"] = int(self._swept is not None)
         lines = [f"/* Sizes of {dae.name}. */", "#ifndef COSIM_MODEL_SIZES_H", "#define COSIM_MODEL_SIZES_H", ""]
         lines += [f"#define MODEL_{name} {value}" for name, value in values.items()]
@@ -155,6 +156,8 @@ class _Generator:
             *table("char *const", "model_unknown_names", "MODEL_NV", [string(u.name) for u in dae.unknowns]),
             *table("char *const", "model_discrete_names", "MODEL_ND", [string(s.name) for s in dae.discretes]),
             *table("unsigned char", "model_relation_strict", "MODEL_NG", [str(int(r.strict)) for r in dae.relations]),
+            *(table("double", "model_relation_slope", "MODEL_NG", [number(r.slope) for r in dae.relations])
+              if any(r.slope for r in dae.relations) else ()),
             *table("char *const", "model_relation_texts", "MODEL_NG", [string(r.text) for r in dae.relations]),
             *table("char *const", "model_assertion_messages", "MODEL_NA", [string(c.message) for c in dae.checks]),
             *table("unsigned char", "model_assertion_is_error", "MODEL_NA",

@@ -14,7 +14,7 @@ COUNTERS = {
     "solver.rhs_evaluations": "Evaluations of the right-hand side",
     "solver.jacobians": "Evaluations of the Jacobian",
     "solver.state_events": "State events",
-    "solver.time_events": "Instants at which a sample clock ticked",
+    "solver.time_events": "Instants known beforehand, at which a sample clock ticked or a relation of time changed",
 }
 """Statistics that every FMU publishes; the order is that of the runtime's ModelCounter."""
 

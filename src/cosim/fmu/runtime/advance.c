@@ -19,7 +19,7 @@ void simulation_reset(Simulation *m)
     State *s = &m->s;
     memset(s, 0, sizeof *s);
     s->tolerance = 1e-6;
-    s->stop = INFINITY;
+    s->stop = s->relation_due = INFINITY;
     for (int i = 0; i < MODEL_NU; i++) s->u[i] = model_start_inputs[i];
     for (int i = 0; i < MODEL_NP; i++) s->p[i] = model_start_parameters[i];
     model_parameters(s->p);
@@ -142,11 +142,20 @@ static void note_state_event(const Simulation *m)
     m->log(m->log_context, LOG_EVENT, text);
 }
 
+/* After an event a relation of time may change sooner than was known before. */
+static void keep_to_time_relations(const State *s, double *to, double *limit)
+{
+    if (s->relation_due < *to - SAME_INSTANT) *to = s->relation_due;
+    *limit = fmin(*limit, s->relation_due);
+    if (*limit < *to + SAME_INSTANT) *limit = *to;
+}
+
 Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_events)
 {
     State *s = &m->s;
     Ahead *ahead = &s->ahead;
     if (s->event_due && !simulation_event(m, 0, NULL)) return ADVANCE_FAILED;
+    keep_to_time_relations(s, &to, &limit);
     while (s->t < to) {
         if (s->terminate) return ADVANCE_TERMINATED;
         if (!ahead->active && !look_ahead(m, to, limit)) return ADVANCE_FAILED;
@@ -164,6 +173,7 @@ Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_e
             s->event_due = 1;
             if (stop_at_events) return ADVANCE_EVENT;
             if (!simulation_event(m, 0, NULL)) return ADVANCE_FAILED;
+            keep_to_time_relations(s, &to, &limit);
         } else if (!simulation_check_assertions(m)) {
             return ADVANCE_FAILED;
         }

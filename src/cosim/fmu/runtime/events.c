@@ -158,7 +158,7 @@ static int iterate(Simulation *m, double *fired, int *discontinuous, int *reinit
                            s->t, text[0] ? "; the relations that changed last: " : "", text);
 }
 
-double simulation_next_tick(const Simulation *m)
+static double next_tick(const Simulation *m)
 {
     const State *s = &m->s;
     double next = INFINITY;
@@ -167,9 +167,35 @@ double simulation_next_tick(const Simulation *m)
     return next;
 }
 
+double simulation_next_time_event(const Simulation *m)
+{
+    return fmin(next_tick(m), m->s.relation_due);
+}
+
 int simulation_tick_is_due(const Simulation *m)
 {
-    return simulation_next_tick(m) <= m->s.t + SAME_INSTANT;
+    return next_tick(m) <= m->s.t + SAME_INSTANT;
+}
+
+int simulation_time_event_is_due(const Simulation *m)
+{
+    return simulation_next_time_event(m) <= m->s.t + SAME_INSTANT;
+}
+
+/* When the first relation of time changes, as it is from now to the next event. */
+static void schedule_relations(Simulation *m)
+{
+    State *s = &m->s;
+    s->relation_due = INFINITY;
+    if (!MODEL_HAS_TIME_RELATIONS) return;
+    double g[MODEL_ROOM(MODEL_NG)];
+    simulation_relations(m, s->t, s->v, g);
+    for (int k = 0; k < MODEL_NG; k++) {
+        double slope = RELATION_SLOPE(k);
+        if (slope == 0.0) continue;
+        double rest = -g[k] / slope;
+        if (rest > SAME_INSTANT) s->relation_due = fmin(s->relation_due, s->t + rest);
+    }
 }
 
 static int take_ticks(State *s, double *fired)
@@ -215,7 +241,7 @@ int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
     memset(s->selection_sign, 0, sizeof s->selection_sign);
     s->window.events++;
     if (with_ticks) ticks = take_ticks(s, fired);
-    if (ticks) s->counters[COUNTER_TIME_EVENTS]++;
+    if (ticks || s->relation_due <= s->t + SAME_INSTANT) s->counters[COUNTER_TIME_EVENTS]++;
     m->have = 0;
     if (MODEL_ALL_CLOCKED) {
         s->event_due = 0;
@@ -223,6 +249,7 @@ int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
     }
     if (!iterate(m, fired, &discontinuous, &reinit)) return 0;
     s->event_due = 0;
+    schedule_relations(m);
     restart(m, reinit);
     if (reinitialised) *reinitialised = reinit;
     return simulation_check_assertions(m);
@@ -259,6 +286,7 @@ int simulation_initialise(Simulation *m)
     if (!settle(m, pre, fired, 1, x_new)) return 0;
     memcpy(s->v, x_new, MODEL_NX * sizeof *x_new);
     if (!iterate(m, fired, &ignored, &ignored) || !simulation_check_assertions(m)) return 0;
+    schedule_relations(m);
     s->initialised = 1;
     s->event_due = 0;
     return 1;

@@ -130,7 +130,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
         return error(m, "fmi3UpdateDiscreteStates: an output argument is null.");
     int reinitialised = 0;
     if (!simulation_event(m, 1, &reinitialised)) return (fmi3Status)instance_failed(m);
-    double next = simulation_next_tick(m);
+    double next = simulation_next_time_event(m);
     *discreteStatesNeedUpdate = fmi3False;
     *terminateSimulation = m->s.terminate != 0;
     if (m->s.terminate) simulation_log_termination(m, LOG_WARNING);
@@ -158,7 +158,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     s->keeping = i->event_mode_used && !i->early_return_allowed;
     Advance outcome = instance_run(m, to, i->event_mode_used && i->early_return_allowed);
     s->keeping = 0;
-    bool at_tick = outcome == ADVANCE_REACHED && i->event_mode_used && simulation_tick_is_due(m);
+    bool at_tick = outcome == ADVANCE_REACHED && i->event_mode_used && simulation_time_event_is_due(m);
     *eventHandlingNeeded = outcome == ADVANCE_EVENT || at_tick || s->kept;
     *terminateSimulation = s->terminate != 0;
     if (s->terminate) simulation_log_termination(m, LOG_WARNING);

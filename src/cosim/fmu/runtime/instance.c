@@ -152,14 +152,18 @@ Advance instance_run(Simulation *m, double to, bool stop_at_events)
 {
     while (m->s.t < to) {
         if (m->s.terminate) return ADVANCE_TERMINATED;
-        if (simulation_tick_is_due(m) && !simulation_event(m, 1, NULL)) return ADVANCE_FAILED;
-        double tick = simulation_next_tick(m);
+        if (simulation_time_event_is_due(m) && !simulation_event(m, 1, NULL)) return ADVANCE_FAILED;
+        double tick = simulation_next_time_event(m);
         bool tick_inside = tick < to - SAME_INSTANT;
         /* Far beyond the step asked for, an event could no longer be located as accurately as within it. */
         double limit = fmin(fmin(tick, m->s.stop), to + MOST_AHEAD * (to - m->s.t));
         if (limit < to + SAME_INSTANT) limit = to;
         Advance outcome = simulation_advance(m, tick_inside ? tick : to, tick_inside ? tick : limit, stop_at_events);
-        if (outcome != ADVANCE_REACHED || (tick_inside && stop_at_events)) return outcome;
+        if (outcome != ADVANCE_REACHED || (stop_at_events && simulation_time_event_is_due(m))) return outcome;
     }
+    /* Relations change where the step ends; clocks that tick there wait for the importer's inputs, and so does what
+     * changes together with them. */
+    bool relation_due = simulation_time_event_is_due(m) && !simulation_tick_is_due(m);
+    if (relation_due && !stop_at_events && !simulation_event(m, 0, NULL)) return ADVANCE_FAILED;
     return ADVANCE_REACHED;
 }

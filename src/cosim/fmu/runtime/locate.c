@@ -38,7 +38,7 @@ static void look_closely(Simulation *m, Sample *sample)
 static int changed(const Simulation *m, const Sample *sample)
 {
     for (int k = 0; k < MODEL_NG; k++)
-        if (simulation_truth(m, k, sample->g[k]) != (m->s.c[k] != 0.0)) return 1;
+        if (simulation_changed_state(m, k, sample->g[k])) return 1;
     return 0;
 }
 
@@ -88,7 +88,7 @@ static void narrow(Simulation *m, Sample *before, Sample *after)
     for (int iteration = 0; iteration < 200 && after->theta - before->theta > accuracy; iteration++) {
         double fraction = 1.0;
         for (int k = 0; k < MODEL_NG; k++) {
-            if (simulation_truth(m, k, after->g[k]) == (m->s.c[k] != 0.0)) continue;
+            if (!simulation_changed_state(m, k, after->g[k])) continue;
             double left = weight_before * before->g[k], right = weight_after * after->g[k];
             double guess = left / (left - right);
             fraction = fmin(fraction, guess >= 0.0 && guess <= 1.0 ? guess : 0.5);
@@ -134,7 +134,7 @@ int simulation_find_event(Simulation *m, double *theta)
         if (!changed(m, &samples[i])) before = samples[i];
     narrow(m, &before, &after);
     for (int k = 0; k < MODEL_NG; k++)
-        m->changing[k] = simulation_truth(m, k, after.g[k]) != (m->s.c[k] != 0.0);
+        m->changing[k] = (unsigned char)simulation_changed_state(m, k, after.g[k]);
     *theta = after.theta;
     return 1;
 }

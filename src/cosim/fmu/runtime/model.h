@@ -22,6 +22,11 @@
 #define MODEL_ALL_CLOCKED 0
 #endif
 
+/* 1 if there are relations of time alone: model_relation_slope is not always 0. */
+#ifndef MODEL_HAS_TIME_RELATIONS
+#define MODEL_HAS_TIME_RELATIONS 0
+#endif
+
 /* 1 if there is a model_sweep: the blocks of the algebraic equations are small enough for a closed form. */
 #ifndef MODEL_HAS_SWEEP
 #define MODEL_HAS_SWEEP 0
@@ -54,7 +59,7 @@ typedef enum {
     COUNTER_RHS,        /* evaluations of the equations, whole or their algebraic part */
     COUNTER_JACOBIANS,  /* and of their derivatives */
     COUNTER_STATE_EVENTS,
-    COUNTER_TIME_EVENTS, /* instants at which a sample clock ticked */
+    COUNTER_TIME_EVENTS, /* instants known beforehand: a sample clock ticked, or a relation of time changed */
     COUNTERS             /* how many there are */
 } ModelCounter;
 
@@ -86,6 +91,13 @@ extern const char *const model_discrete_names[MODEL_ROOM(MODEL_ND)];
 
 /* Relation k is true where g[k] > 0 (strict) or g[k] >= 0 (not strict); the text is the Modelica source of it. */
 extern const unsigned char model_relation_strict[MODEL_ROOM(MODEL_NG)];
+/* dg[k]/dt where nothing in g[k] but time moves between events, at this constant rate; 0 elsewhere. */
+#if MODEL_HAS_TIME_RELATIONS
+extern const double model_relation_slope[MODEL_ROOM(MODEL_NG)];
+#define RELATION_SLOPE(index) (model_relation_slope[index])
+#else
+#define RELATION_SLOPE(index) ((void)(index), 0.0)
+#endif
 extern const char *const model_relation_texts[MODEL_ROOM(MODEL_NG)];
 
 /* Assertions: message, and whether a violation ends the simulation (else it is a warning). */

@@ -59,6 +59,7 @@ typedef struct {
     double clock_start[MODEL_ROOM(MODEL_NS)];
     double clock_interval[MODEL_ROOM(MODEL_NS)];
     int64_t tick[MODEL_ROOM(MODEL_NS)]; /* number of the next tick */
+    double relation_due; /* when the next relation of time changes, INFINITY if none does */
     StepControl control;
     Ahead ahead;
     double burst_start; /* when the present burst of state events began, and how many there were since */
@@ -111,8 +112,8 @@ void simulation_changed(Simulation *m, int parameters);
 /* Solve the initial equations at s.t. */
 int simulation_initialise(Simulation *m);
 
-/* Integrate to s.t = to exactly, at most up to the next state event if stop_at_events. The solver may go beyond, up to
- * `limit` >= to, where something is known to happen. Knows nothing of clocks. */
+/* Integrate to s.t = to exactly, at most up to the next state event if stop_at_events, and up to where a relation of time
+ * changes. The solver may go beyond, up to `limit` >= to, where something is known to happen. Knows nothing of clocks. */
 Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_events);
 
 /* One event at s.t and everything that follows from it. The clock ticks that are due take part only if with_ticks: those
@@ -120,9 +121,11 @@ Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_e
  * reinitialised (may be NULL) tells whether a state was set. */
 int simulation_event(Simulation *m, int with_ticks, int *reinitialised);
 
-/* Time of the next clock tick, INFINITY if there is none; whether it is at s.t. */
-double simulation_next_tick(const Simulation *m);
+/* Time of the next time event, INFINITY if there is none: a clock tick, or the change of a relation of time. */
+double simulation_next_time_event(const Simulation *m);
+/* Whether a clock tick is at s.t, and whether a time event of either kind is. */
 int simulation_tick_is_due(const Simulation *m);
+int simulation_time_event_is_due(const Simulation *m);
 
 /* The values of a store at s.t, NULL on failure. They satisfy the algebraic equations to rounding errors. */
 const double *simulation_values(Simulation *m, ModelStore store);
@@ -149,6 +152,8 @@ int simulation_check_assertions(Simulation *m);
 void simulation_log_termination(Simulation *m, LogKind kind);
 void simulation_relations(const Simulation *m, double t, const double *v, double *g);
 int simulation_truth(const Simulation *m, int k, double g);
+/* Whether relation k has changed as the solver must find out: that of a relation of time is known beforehand. */
+int simulation_changed_state(const Simulation *m, int k, double g);
 int simulation_find_event(Simulation *m, double *theta);
 const char *simulation_changing_relations(const Simulation *m, char *text, size_t size);
 

@@ -1,0 +1,66 @@
+package TimeEvents "Relations whose change is known beforehand"
+  model Pulses "Pulses of a length that a clock fixes, on a coil"
+    parameter Real T(unit="s") = 1e-3 "Period";
+    parameter Real L(unit="H") = 3.75e-3 "Inductance";
+    parameter Real R(unit="Ohm") = 1.91 "Resistance";
+    parameter Real U(unit="V") = 28 "Supply";
+    input Real duty(unit="1", start=0.3) "Duty ratio";
+    output Real i(unit="A", start=0, fixed=true) "Current";
+    output Boolean on "True during a pulse";
+    discrete Real t_off(unit="s", start=0, fixed=true) "End of the pulse";
+  equation
+    when sample(0, T) then
+      t_off = time + duty*T;
+    end when;
+    on = time < t_off;
+    L*der(i) + R*i = if on then U else 0;
+  end Pulses;
+
+  model Instants "Each instant fixes the next one; the distance grows"
+    parameter Real first(unit="s") = 0.5 "First instant";
+    parameter Real step(unit="s") = 0.125 "First distance, and what each is longer than the one before";
+    discrete Real t_next(unit="s", start=first, fixed=true) "Next instant";
+    output Real seen(unit="s", start=-1, fixed=true) "Last instant as it was computed";
+    output Integer n(start=0, fixed=true) "How many there were";
+  equation
+    when time >= pre(t_next) then
+      n = pre(n) + 1;
+      seen = time;
+      t_next = pre(t_next) + n*step;
+    end when;
+  end Instants;
+
+  model Alarm "A state event fixes the instant of a time event, inside the step that the solver was about to take"
+    parameter Real wait(unit="s") = 1e-3 "Time from the crossing to the alarm";
+    output Real x(unit="1", start=0, fixed=true) "Rises exponentially to one";
+    output Real y(unit="s", start=0, fixed=true) "Time since the alarm";
+    output Boolean alarm "True from the alarm on";
+    discrete Real t_alarm(unit="s", start=1e9, fixed=true) "Instant of the alarm";
+    constant Real tau(unit="s") = 1 "Time constant";
+  equation
+    tau*der(x) = 1 - x;
+    when x > 0.5 then
+      t_alarm = time + wait;
+    end when;
+    alarm = time >= t_alarm;
+    der(y) = if alarm then 1 else 0;
+  end Alarm;
+
+  model Two "A relation that changes together with a clock is seen by it"
+    parameter Real T(unit="s") = 0.1 "Period of the clock";
+    discrete Real t_next(unit="s", start=3*0.1, fixed=true) "Instant of the relation";
+    output Integer early(start=0, fixed=true) "Ticks before the relation has changed";
+    output Integer late(start=0, fixed=true) "Ticks after, and together";
+  protected
+    Boolean over "True once the relation has changed";
+  equation
+    over = time >= t_next;
+    when sample(0, T) then
+      early = pre(early) + (if over then 0 else 1);
+      late = pre(late) + (if over then 1 else 0);
+    end when;
+    when time >= 1e9 then
+      t_next = time;
+    end when;
+  end Two;
+end TimeEvents;
