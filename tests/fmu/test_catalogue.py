@@ -25,8 +25,8 @@ def test_a_name_that_there_is_not() -> None:
     with pytest.raises(InputError) as caught:
         catalogue.ensure("linkgae")
     assert str(caught.value) == (
-        "no built-in plant or controller 'linkgae', did you mean 'linkage'?; built in are linkage, rig, "
-        "voltage_profile; an FMU of your own is given by its path, ending in .fmu"
+        "no built-in plant or controller 'linkgae', did you mean 'linkage'?; built in are linkage, rig, rig_switched, "
+        "voltage_profile, s_curve, constant_voltage; an FMU of your own is given by its path, ending in .fmu"
     )
 
 

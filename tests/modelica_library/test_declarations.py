@@ -11,7 +11,8 @@ import pytest
 
 from .conftest import LIBRARY
 
-_HEADING = re.compile(r"^within (WiperDrive[\w.]*);\n(?:partial )?(?:model|block|connector|type|package) (\w+)", re.M)
+_KINDS = "model|block|function|connector|type|package"
+_HEADING = re.compile(rf"^within (WiperDrive[\w.]*);\n(?:partial )?(?:{_KINDS}) (\w+)", re.M)
 _COMPLETE = re.compile(r"^(?:model|block) (\w+)", re.M)
 _STANDALONE = ("Systems", "Tests", "Controllers")
 

@@ -21,7 +21,8 @@ partial model Drive "Bridge, motor, worm gear and park sensor: what the plants h
     "Speed of the gear's output shaft";
   output Types.AngularVelocity w_motor "Speed of the rotor";
   output Types.Torque tau_crank "Torque that the gear delivers to its output shaft";
-  Electrical.HBridge bridge(i_max=i_max, short_brake=short_brake, duty=duty, v_supply=v_supply) "Averaged bridge";
+  replaceable model BridgeModel = Electrical.HBridge constrainedby Electrical.Bridge "Kind of bridge: averaged or switched";
+  BridgeModel bridge(i_max=i_max, short_brake=short_brake, duty=duty, v_supply=v_supply) "Bridge";
   Electrical.Ground ground "Chassis";
   Electrical.Motor motor(J=J_rotor, k=k_emf) "Motor";
   Rotational.WormGear gear "Worm gear";

@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Charge = Real(unit="C") "Electric charge";

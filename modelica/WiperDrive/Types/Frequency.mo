@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Frequency = Real(unit="Hz") "Frequency";
