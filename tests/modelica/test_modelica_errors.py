@@ -101,7 +101,7 @@ MESSAGES = {
     "Stream": "5:12: port.h is a stream variable; connectors with stream variables are not supported, only"
     " potential and flow variables",
     "SyntaxError": "3:1: unexpected `equation`; expected one of: annotation, constrainedby, ;, ), ,",
-    "Terminal": "4:8: terminal() is not supported: an FMU is not told when a simulation ends",
+    "Terminal": "4:10: terminal() can stand only in a when-condition",
     "Text": "3:3: name: a String can be a parameter or constant, for messages; variables cannot",
     "ThreeDimensions": "2:3: t: arrays have at most two dimensions here",
     "TooManyStarts": "3:3: TooManyStarts: one initial condition too many: these 2 determine only x: x = 1"

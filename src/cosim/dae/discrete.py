@@ -111,7 +111,7 @@ class _When:
                 active = ca.logic_or(active, self._active(element))
             return active
         value = Evaluator(self._symbols, Mode.DISCRETE)(condition)
-        if isinstance(condition, Call) and condition.function in ("sample", "initial"):
+        if isinstance(condition, Call) and condition.function in ("sample", "initial", "terminal"):
             return value
         became = [self._became_true(element, render(condition)) for element in ca.vertsplit(ca.vec(value))]
         return reduce(ca.logic_or, became)

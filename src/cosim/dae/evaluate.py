@@ -369,7 +369,6 @@ def _picked(value: SX, picks: list[list[int] | SX], single: list[bool]) -> SX:
 
 _CLOCKED = "clocks do not exist here; use when sample(start, interval) and pre()"
 UNSUPPORTED = {
-    "terminal": "an FMU is not told when a simulation ends",
     "delay": "the past of a variable is not kept; sample it, or describe the delay with states",
     "spatialDistribution": "the past of a variable is not kept; divide the length into cells, with an equation each",
     "cardinality": "connections cannot be counted here; use a parameter and conditional components",

@@ -66,9 +66,20 @@ def _sample(evaluate: Evaluate, node: Call) -> SX:
     start, interval = (parameter(argument) for argument in node.arguments)
     clocks = evaluate.symbols.system.clocks
     for clock in clocks:
-        if ca.is_equal(clock.start, start, 10) and ca.is_equal(clock.interval, interval, 10):
+        if not clock.terminal and ca.is_equal(clock.start, start, 10) and ca.is_equal(clock.interval, interval, 10):
             return clock.fired
     clocks.append(Clock(SX.sym(f"fired({len(clocks)})"), start, interval))
+    return clocks[-1].fired
+
+
+def _terminal(evaluate: Evaluate, node: Call) -> SX:
+    if evaluate.mode is not Mode.DISCRETE:
+        raise evaluate.error("terminal() can stand only in a when-condition", node)
+    clocks = evaluate.symbols.system.clocks
+    for clock in clocks:
+        if clock.terminal:
+            return clock.fired
+    clocks.append(Clock(SX.sym("terminal()"), SX(float("inf")), SX(float("inf")), terminal=True))
     return clocks[-1].fired
 
 
@@ -144,6 +155,7 @@ EVENT_FUNCTIONS: dict[str, Callable[[Evaluate, Call], SX]] = {
     "edge": _edge,
     "change": _change,
     "initial": _initial,
+    "terminal": _terminal,
     "sample": _sample,
     "floor": _floor,
     "integer": _floor,

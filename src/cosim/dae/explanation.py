@@ -82,7 +82,9 @@ def _events(dae: Dae) -> list[str]:
     known = [relation.text for relation in dae.relations if relation.slope]
     lines = _line("state events", f"{len(watched)}, where one of these changes its value" if watched else "none")
     lines += _items(watched)
-    kinds = [_count(len(dae.clocks), "sample clock")] if dae.clocks else []
+    periodic = sum(not clock.terminal for clock in dae.clocks)
+    kinds = [_count(periodic, "sample clock")] if periodic else []
+    kinds += ["the end"] if len(dae.clocks) > periodic else []
     kinds += [_count(len(known), "time relation")] if known else []
     lines += _line("time events", ", ".join(kinds) or "none")
     lines += _items([*(_clock(dae, clock) for clock in dae.clocks), *known])
@@ -106,6 +108,8 @@ def _assignment(assignment: Assignment) -> str:
 
 
 def _clock(dae: Dae, clock: Clock) -> str:
+    if clock.terminal:
+        return "when the simulation ends"
     known = {s.name() for s in ca.symvar(ca.vertcat(clock.start, clock.interval))}
     if known <= set(dae.parameter_values):
         start, interval = (float(evaluate(e, dae.parameter_values)) for e in (clock.start, clock.interval))

@@ -89,11 +89,12 @@ class Relation:
 
 @dataclass(frozen=True)
 class Clock:
-    """A periodic sample: ticks at start + k interval."""
+    """A periodic sample: ticks at start + k interval; or, if ``terminal``, once, when the simulation ends."""
 
     fired: SX
     start: SX
     interval: SX
+    terminal: bool = False
 
 
 @dataclass(frozen=True)

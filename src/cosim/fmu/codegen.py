@@ -80,6 +80,7 @@ class _Generator:
         values |= constraint_sizes(dae.constraints)
         values["ALL_CLOCKED"] = int(_all_clocked(dae))
         values["HAS_TIME_RELATIONS"] = int(any(r.slope for r in dae.relations))
+        values["TERMINAL"] = next((k for k, clock in enumerate(dae.clocks) if clock.terminal), -1)
         values["HAS_SWEEP"] = int(self._swept is not None)
         lines = [f"/* Sizes of {dae.name}. */", "#ifndef COSIM_MODEL_SIZES_H", "#define COSIM_MODEL_SIZES_H", ""]
         lines += [f"#define MODEL_{name} {value}" for name, value in values.items()]

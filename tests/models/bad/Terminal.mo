@@ -1,7 +1,5 @@
-model Terminal "Acts at the end"
-  Integer n(start=0, fixed=true) "Ends";
+model Terminal "terminal() outside the condition of a when-clause"
+  Real y "Whether it ends";
 equation
-  when terminal() then
-    n = pre(n) + 1;
-  end when;
+  y = if terminal() then 1 else 0;
 end Terminal;

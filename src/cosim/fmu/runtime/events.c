@@ -231,16 +231,14 @@ static void keep_discretes(State *s)
     s->kept = 1;
 }
 
-int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
+/* One event with these ticks. */
+static int happen(Simulation *m, double *fired, int ticks, int *reinitialised)
 {
     State *s = &m->s;
-    if (s->keeping && !s->kept) keep_discretes(s);
-    double fired[MODEL_ROOM(MODEL_NS)] = {0};
-    int discontinuous = 0, reinit = 0, ticks = 0;
+    int discontinuous = 0, reinit = 0;
     s->ahead.active = 0; /* what lies ahead was computed without this event */
     memset(s->selection_sign, 0, sizeof s->selection_sign);
     s->window.events++;
-    if (with_ticks) ticks = take_ticks(s, fired);
     if (ticks || s->relation_due <= s->t + SAME_INSTANT) s->counters[COUNTER_TIME_EVENTS]++;
     m->have = 0;
     if (MODEL_ALL_CLOCKED) {
@@ -255,17 +253,41 @@ int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
     return simulation_check_assertions(m);
 }
 
+int simulation_event(Simulation *m, int with_ticks, int *reinitialised)
+{
+    State *s = &m->s;
+    if (s->keeping && !s->kept) keep_discretes(s);
+    double fired[MODEL_ROOM(MODEL_NS)] = {0};
+    int ticks = with_ticks ? take_ticks(s, fired) : 0;
+    return happen(m, fired, ticks, reinitialised);
+}
+
+int simulation_end(Simulation *m)
+{
+#if MODEL_TERMINAL >= 0
+    double fired[MODEL_ROOM(MODEL_NS)] = {0};
+    fired[MODEL_TERMINAL] = 1.0;
+    if (m->s.initialised && !happen(m, fired, 1, NULL)) return 0;
+    m->s.kept = 0; /* what has changed now is to be seen */
+#else
+    (void)m;
+#endif
+    return 1;
+}
+
 static int start_clocks(Simulation *m)
 {
     State *s = &m->s;
     if (MODEL_NS > 0) model_clocks(s->p, s->clock_start, s->clock_interval);
     for (int k = 0; k < MODEL_NS; k++) {
         double start = s->clock_start[k], interval = s->clock_interval[k];
+        s->tick[k] = 0;
+        if (k == MODEL_TERMINAL) continue;
         if (!isfinite(start) || !(interval > SAME_INSTANT) || !isfinite(interval))
             return simulation_fail(m, "Sample clock %d starts at %g s with the interval %g s, which must be positive.",
                                    k + 1, start, interval);
         double first = ceil((s->t - SAME_INSTANT - start) / interval);
-        s->tick[k] = first > 0.0 ? (int64_t)first : 0;
+        if (first > 0.0) s->tick[k] = (int64_t)first;
     }
     return 1;
 }

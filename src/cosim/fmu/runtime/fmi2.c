@@ -163,7 +163,7 @@ fmi2Status fmi2Terminate(fmi2Component c)
 {
     ENTER(STEP_MODE);
     m->s.mode = TERMINATED;
-    return fmi2OK;
+    return instance_end(m) ? fmi2OK : fmi2Error;
 }
 
 fmi2Status fmi2Reset(fmi2Component c)

@@ -171,7 +171,7 @@ fmi3Status fmi3Terminate(fmi3Instance instance)
 {
     ENTER(INITIALIZATION_MODE | EVENT_MODE | STEP_MODE);
     m->s.mode = TERMINATED;
-    return fmi3OK;
+    return instance_end(m) ? fmi3OK : fmi3Error;
 }
 
 fmi3Status fmi3Reset(fmi3Instance instance)

@@ -129,6 +129,13 @@ bool instance_initialise(Simulation *m)
     return false;
 }
 
+bool instance_end(Simulation *m)
+{
+    if (simulation_end(m)) return true;
+    instance_error(m, "%s", m->message);
+    return false;
+}
+
 bool instance_accepts_step(Simulation *m, const char *function, double t, double h)
 {
     const State *s = &m->s;

@@ -58,6 +58,9 @@ bool instance_set_up(Simulation *m, bool has_tolerance, double tolerance, double
 /* Solve the initial equations if that has not happened yet. */
 bool instance_initialise(Simulation *m);
 
+/* What the model does when the simulation ends; false, with the reason logged, if it fails. */
+bool instance_end(Simulation *m);
+
 /* Whether a step from t over h can be taken, else after having said why not. */
 bool instance_accepts_step(Simulation *m, const char *function, double t, double h);
 

@@ -27,6 +27,11 @@
 #define MODEL_HAS_TIME_RELATIONS 0
 #endif
 
+/* The sample clock that ticks once, when the simulation ends: terminal(). */
+#ifndef MODEL_TERMINAL
+#define MODEL_TERMINAL (-1)
+#endif
+
 /* 1 if there is a model_sweep: the blocks of the algebraic equations are small enough for a closed form. */
 #ifndef MODEL_HAS_SWEEP
 #define MODEL_HAS_SWEEP 0
@@ -119,7 +124,7 @@ void model_parameters(double *p);
 /* Start values: fixed ones and guesses alike, for v and d. */
 void model_start(const double *p, double *v, double *d);
 
-/* Sample clocks: tick k of clock s is at start[s] + k * interval[s], k = 0, 1, ... */
+/* Sample clocks: tick k of clock s is at start[s] + k * interval[s], k = 0, 1, ...; both infinite for MODEL_TERMINAL. */
 void model_clocks(const double *p, double *start, double *interval);
 
 #define MODEL_CONTINUOUS_ARGUMENTS \

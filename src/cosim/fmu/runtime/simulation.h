@@ -121,6 +121,9 @@ Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_e
  * reinitialised (may be NULL) tells whether a state was set. */
 int simulation_event(Simulation *m, int with_ticks, int *reinitialised);
 
+/* The last event, in which terminal() is true. */
+int simulation_end(Simulation *m);
+
 /* Time of the next time event, INFINITY if there is none: a clock tick, or the change of a relation of time. */
 double simulation_next_time_event(const Simulation *m);
 /* Whether a clock tick is at s.t, and whether a time event of either kind is. */
