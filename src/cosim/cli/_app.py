@@ -160,6 +160,43 @@ def export(
             screen.say(str(path))
 
 
+@app.command()
+def disturbance(
+    *,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="Scenario file to write.", show_default=False)],
+    base: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Scenario without rows, whose '#' lines the new one gets.")
+    ] = None,
+    stop: Annotated[
+        str | None, typer.Option(metavar="TIME", help="No pulse after this time; default: the base's stop.")
+    ] = None,
+    size: Annotated[str, typer.Option(metavar="TORQUE", help="Mean torque of a pulse.")] = "5 N.m",
+    length: Annotated[str, typer.Option(metavar="TIME", help="Mean duration of a pulse.")] = "0.3 s",
+    spacing: Annotated[str, typer.Option(metavar="TIME", help="Mean time from one pulse to the next.")] = "3 s",
+    variation: Annotated[float, typer.Option(help="By how much of itself each of these may be off.")] = 0.2,
+    seed: Annotated[int, typer.Option(help="Begin of the random numbers; the same pulses for one seed.")] = 1,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Write a scenario in which the load is braked and accelerated by turns, in pulses that a seed varies."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._disturbance import write_disturbance
+
+        count = write_disturbance(
+            out,
+            base=base,
+            stop=stop,
+            size=size,
+            length=length,
+            spacing=spacing,
+            variation=variation,
+            seed=seed,
+        )
+        screen.document({"scenario": str(out), "pulses": count})
+        screen.say(f"{out}: {count} pulses")
+
+
 @app.command(name="linearize")
 def linearize_command(
     file: Annotated[Path, typer.Argument(metavar="FILE.mo", help="Modelica file.", show_default=False)],
