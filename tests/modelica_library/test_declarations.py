@@ -14,7 +14,7 @@ from .conftest import LIBRARY
 _KINDS = "model|block|function|connector|type|package"
 _HEADING = re.compile(rf"^within (WiperDrive[\w.]*);\n(?:partial )?(?:{_KINDS}) (\w+)", re.M)
 _COMPLETE = re.compile(r"^(?:model|block) (\w+)", re.M)
-_STANDALONE = ("Systems", "Tests", "Controllers")
+_STANDALONE = ("Systems", "Tests", "Controllers", "Electronics")
 
 
 def _standalone() -> list[str]:

@@ -39,6 +39,7 @@ Decisions at open spots, with their reason:
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from math import floor
@@ -92,6 +93,8 @@ class Parameters:
     """Length of Soft_stop; None: T_ramp / 2 (the chart), figure 3.12 draws T_ramp."""
     idle_step: bool = False
     """Spend one tick in IDLE between two revolutions."""
+    shape: Callable[[float], float] = float
+    """Share of a ramp's height over that of its duration; a straight line by default."""
 
     def ticks(self, duration: float) -> int:
         """The number of ticks nearest to a duration, halves up."""
@@ -193,7 +196,7 @@ class Controller:
 
     def _duty(self) -> float:
         p, elapsed = self.p, self._elapsed(self._entry)
-        ramp = elapsed / p.T_ramp
+        ramp = p.shape(elapsed / p.T_ramp)
         match self._state:
             case State.IDLE:
                 return 0.0
@@ -206,5 +209,5 @@ class Controller:
             case State.TURN_POINT_ACC:
                 y = (1 - p.turn_val) + ramp * p.turn_val
             case State.SOFT_STOP:
-                y = 1 - elapsed / self._soft_stop_time() * (1 - p.acc_val)
+                y = 1 - p.shape(elapsed / self._soft_stop_time()) * (1 - p.acc_val)
         return max(y, p.duty_min)

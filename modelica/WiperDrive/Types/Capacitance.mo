@@ -1,0 +1,2 @@
+within WiperDrive.Types;
+type Capacitance = Real(unit="F") "Capacitance";
