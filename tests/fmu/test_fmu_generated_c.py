@@ -82,6 +82,8 @@ def without_names(code: str) -> str:
         "WiperDrive.Systems.LinkagePlant",
         "WiperDrive.Controllers.VoltageProfile",
         pytest.param("WiperDrive.Systems.RigPlant", marks=pytest.mark.slow),
+        pytest.param("WiperDrive.Systems.SwitchedRigPlant", marks=pytest.mark.slow),
+        pytest.param("WiperDrive.Electronics.ECU", marks=pytest.mark.slow),
         pytest.param("WiperDrive.Systems.ClosedLoop", marks=pytest.mark.slow),
     ],
 )
