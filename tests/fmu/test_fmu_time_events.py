@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ Simulate = Callable[..., Any]
 @pytest.fixture(scope="module")
 def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     folder = tmp_path_factory.mktemp("time_events")
-    return lambda name: export(MODELS, f"TimeEvents.{name}", folder)
+    return cache(lambda name: export(MODELS, f"TimeEvents.{name}", folder))
 
 
 @pytest.fixture(scope="module")

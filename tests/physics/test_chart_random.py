@@ -69,7 +69,9 @@ def test_the_chart_decides_as_the_reference(seed: int) -> None:
         assert found["period"][k] == pytest.approx(expected.period, abs=1e-12), k
 
 
-@pytest.mark.parametrize("controller", ["voltage_profile", "s_curve", pytest.param("ecu", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "controller", ["voltage_profile", *(pytest.param(name, marks=pytest.mark.slow) for name in ("s_curve", "ecu"))]
+)
 def test_whatever_comes_in_the_duty_ratio_and_the_transitions_stay_lawful_and_nothing_is_a_dead_end(
     controller: str,
 ) -> None:
