@@ -38,11 +38,12 @@ def scenario_run(file: Path, locate: Locate, *settings: str) -> Result:
 
 
 def rig_runs(scenarios: Path, locate: Locate) -> list[RigRun]:
-    """The rig under the profile for each sampling time, with its normal load."""
+    """The rig under the profile: each sampling time with its normal load, then braked and pushed in turn."""
     runs = []
     for sample_time in SAMPLE_TIMES:
-        result = scenario_run(scenarios / "rig_20ms.csv", locate, f"controller.T_sample={sample_time!r} s")
-        runs.append(RigRun(sample_time, "normal", result, score(result)))
+        for load, ending in (("normal", ""), ("disturbed", "_disturbed")):
+            result = scenario_run(scenarios / f"rig_{sample_time * 1e3:.0f}ms{ending}.csv", locate)
+            runs.append(RigRun(sample_time, load, result, score(result)))
     return runs
 
 
