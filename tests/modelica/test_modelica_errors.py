@@ -86,6 +86,8 @@ MESSAGES = {
     "RealToInteger": "6:3: n is of type Integer, but 2.5 * time is of type Real; use integer() to round it down",
     "Recursion": "6:34: Recursion.factorial calls itself; functions that call themselves are not supported,"
     " use a for-loop",
+    "RedeclaredInherited": "21:13: the front end loses the redeclaration of c, which E has inherited; extend the class"
+    " that declares c, or redeclare it where E is a component",
     "RedeclaredPackage": "16:12: redeclared packages are not supported: the front end mixes up their"
     " constants; give the constants as parameters",
     "ReinitAlgebraic": "3:8: ReinitAlgebraic: reinit() of `y`, which is not a state: only what stands in der()"

@@ -1,7 +1,8 @@
 """Modifiers that the front end loses without a word, so that a model would be compiled with other values.
 
 rumoca 0.10 takes ``redeclare model M = B`` from ``H h(redeclare model M = B(k=7))``, and forgets ``k=7``; it forgets
-the modifiers after ``constrainedby`` of a class; and constants of a package that one component redeclares are those of
+the modifiers after ``constrainedby`` of a class; it keeps ``A c`` in ``extends E(redeclare B c)`` if E has inherited
+its ``replaceable A c``; and constants of a package that one component redeclares are those of
 all components.
 """
 
@@ -25,7 +26,7 @@ def refuse_lost_modifiers(source: Source, found: Scan, model_at: int | None) -> 
     if not any(word in source.text for word in ("redeclare", "constrainedby")):
         return
     tokens = tokens_of(source.text.encode())
-    lost = _lost(tokens)
+    lost = [*_lost(tokens), *_inherited(tokens, found)]
     if lost:
         used = _reachable(tokens, found, model_at)
         for at, message in lost:
@@ -58,6 +59,39 @@ def _lost(tokens: list[Token]) -> list[tuple[int, str]]:
                 found.append((token.at, "the front end loses the modifiers after constrainedby of a class; give them"
                               " where the class is used"))  # fmt: skip
     return found
+
+
+def _inherited(tokens: list[Token], found: Scan) -> list[tuple[int, str]]:
+    """Components that an extends-clause redeclares although the class it extends has only inherited them."""
+    lost = []
+    start = 0
+    for position, token in enumerate(tokens):
+        if token.text in (";", "equation", "algorithm", "public", "protected") or token.text.startswith('"'):
+            start = position + 1
+        if token.text != "redeclare":
+            continue
+        begins = next((k for k in range(start, position) if tokens[k].text == "extends"), None)
+        if begins is None:
+            continue
+        before = [t.text for t in tokens[begins:position]]
+        kind = position + 1
+        while tokens[kind].text in ("each", "final", "replaceable"):
+            kind += 1
+        if before.count("(") - before.count(")") != 1 or tokens[kind].text in CLASSES:
+            continue
+        base = before[before.index("(") - 1]
+        named = kind
+        while tokens[named + 1].text == ".":
+            named += 2
+        name = tokens[named + 1].text
+        texts = [[t.text for t in tokens if b <= t.at < e] for b, e in found.classes if found.names.get(b) == base]
+        if texts and not any("replaceable" in text and name in text for text in texts):
+            message = (
+                f"the front end loses the redeclaration of {name}, which {base} has inherited; extend the class that"
+                f" declares {name}, or redeclare it where {base} is a component"
+            )
+            lost.append((token.at, message))
+    return lost
 
 
 def _is_modified(tokens: list[Token], position: int) -> bool:
