@@ -88,20 +88,6 @@ int simulation_solve_algebraic(Simulation *m, double t, double *v, double *y)
     return 1;
 }
 
-int simulation_truth(const Simulation *m, int k, double g)
-{
-    if (isnan(g)) return m->s.c[k] != 0.0;
-    double slope = RELATION_SLOPE(k);
-    /* A relation of time has changed once its instant and the present one are the same. */
-    if (slope != 0.0) return slope > 0.0 ? g >= -slope * SAME_INSTANT : g > -slope * SAME_INSTANT;
-    return model_relation_strict[k] ? g > 0.0 : g >= 0.0;
-}
-
-int simulation_changed_state(const Simulation *m, int k, double g)
-{
-    return RELATION_SLOPE(k) == 0.0 && simulation_truth(m, k, g) != (m->s.c[k] != 0.0);
-}
-
 void simulation_relations(const Simulation *m, double t, const double *v, double *g)
 {
     const State *s = &m->s;

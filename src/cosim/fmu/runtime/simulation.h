@@ -7,6 +7,7 @@
 #ifndef COSIM_SIMULATION_H
 #define COSIM_SIMULATION_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -154,9 +155,23 @@ int simulation_check_selection(Simulation *m);
 int simulation_check_assertions(Simulation *m);
 void simulation_log_termination(Simulation *m, LogKind kind);
 void simulation_relations(const Simulation *m, double t, const double *v, double *g);
-int simulation_truth(const Simulation *m, int k, double g);
+
+/* Inline, as the search for events asks them of every relation at several points of every step. */
+static inline int simulation_truth(const Simulation *m, int k, double g)
+{
+    if (isnan(g)) return m->s.c[k] != 0.0;
+    double slope = RELATION_SLOPE(k);
+    /* A relation of time has changed once its instant and the present one are the same. */
+    if (slope != 0.0) return slope > 0.0 ? g >= -slope * SAME_INSTANT : g > -slope * SAME_INSTANT;
+    return model_relation_strict[k] ? g > 0.0 : g >= 0.0;
+}
+
 /* Whether relation k has changed as the solver must find out: that of a relation of time is known beforehand. */
-int simulation_changed_state(const Simulation *m, int k, double g);
+static inline int simulation_changed_state(const Simulation *m, int k, double g)
+{
+    return RELATION_SLOPE(k) == 0.0 && simulation_truth(m, k, g) != (m->s.c[k] != 0.0);
+}
+
 int simulation_find_event(Simulation *m, double *theta);
 const char *simulation_changing_relations(const Simulation *m, char *text, size_t size);
 
