@@ -12,7 +12,7 @@ from cosim.cli._builtin import locate
 from cosim.cli._screen import INTERRUPTED, Screen
 from cosim.engine import Result, System, explain_timing, simulate
 from cosim.errors import CosimError, InputError, SimulationError
-from cosim.report import Run, clear, discard, write
+from cosim.report import Run, clear, write
 from cosim.scenario import Scenario, ScenarioWarning, assemble, read
 
 
@@ -88,8 +88,6 @@ def _check_folders(files: Sequence[Path]) -> None:
 
 
 def _run(outcome: Outcome, file: Path, folder: Path, settings: Sequence[str], screen: Screen, *, plots: bool) -> None:
-    if file.exists():
-        discard(folder)
     try:
         scenario = read(file, settings)
         system = _assemble(scenario, outcome, screen)

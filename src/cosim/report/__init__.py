@@ -3,6 +3,6 @@
 from cosim.report._plots import plot
 from cosim.report._summary import Run, summarize
 from cosim.report._tables import write_csv, write_parquet
-from cosim.report._write import clear, discard, write
+from cosim.report._write import clear, write
 
-__all__ = ["Run", "clear", "discard", "plot", "summarize", "write", "write_csv", "write_parquet"]
+__all__ = ["Run", "clear", "plot", "summarize", "write", "write_csv", "write_parquet"]

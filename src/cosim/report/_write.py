@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from contextlib import suppress
 from pathlib import Path
 
 from cosim.engine import Result, System
@@ -26,13 +25,6 @@ def clear(folder: Path) -> None:
             (folder / name).unlink(missing_ok=True)
     except OSError as error:
         raise InputError(f"cannot write results there: {error.strerror}; choose another --out", file=folder) from error
-
-
-def discard(folder: Path) -> None:
-    """Remove what an earlier run left in the folder, if it exists: it must not pass for the result of a later one."""
-    for name in _FILES:
-        with suppress(OSError):
-            (folder / name).unlink(missing_ok=True)
 
 
 def write(result: Result, system: System, run: Run, folder: Path, *, plots: bool = True) -> dict[str, object]:
