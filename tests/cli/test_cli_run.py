@@ -107,7 +107,7 @@ def test_an_unknown_plant(cosim: Cosim, scenario: Path) -> None:
 
 
 def test_a_refused_run_keeps_the_results_of_an_earlier_one(cosim: Cosim, scenario: Path) -> None:
-    """A slip of the pen must not cost what was computed: nothing was run, and the summary says what its results are of."""
+    """A slip of the pen must not cost what was computed; the summary says what the results are of."""
     folder = Path("results/x")
     assert cosim("run", scenario).exit_code == 0
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
