@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import itertools
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from cosim import __version__
 from cosim.dae import Dae
+from cosim.fmu.dependencies import Dependency
 from cosim.fmu.layout import Layout, Slot
 from cosim.modelica.flat import Variable
 from cosim.units import linear_map, parse
@@ -69,6 +70,20 @@ def add_log_categories(root: ET.Element, *, discard: bool) -> None:
 def add_experiment(root: ET.Element) -> None:
     """Add the default experiment."""
     ET.SubElement(root, "DefaultExperiment", startTime="0", tolerance="1e-06")
+
+
+def initial_unknowns(layout: Layout) -> list[int]:
+    """Value references of what is computed in Initialization Mode, as both FMI versions list it."""
+    wanted = {"output", "calculatedParameter"}
+    return [k for k, slot in enumerate(layout.slots) if slot.causality in wanted and slot.initial == "calculated"]
+
+
+def dependencies(found: Sequence[Dependency], first: int) -> dict[str, str]:
+    """The attributes that tell what an unknown depends on; variables count from ``first``."""
+    attributes = {"dependencies": " ".join(str(d.reference + first) for d in found)}
+    if found:
+        attributes["dependenciesKind"] = " ".join(d.kind.name.lower() for d in found)
+    return attributes
 
 
 def declarations(layout: Layout) -> list[Variable]:

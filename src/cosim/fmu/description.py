@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 
 from cosim.dae import Dae
 from cosim.fmu import _description_parts as parts
+from cosim.fmu.dependencies import Dependencies, Dependency
 from cosim.fmu.layout import Layout
 
 _ELEMENTS = {
@@ -49,12 +51,22 @@ def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
     for reference, slot in enumerate(layout.slots):
         attributes = parts.general_attributes(reference, slot) | parts.typed_attributes(slot, names)
         ET.SubElement(variables, _ELEMENTS[slot.type], attributes)
-    structure = ET.SubElement(root, "ModelStructure")
-    for element, wanted in (("Output", {"output"}), ("InitialUnknown", {"output", "calculatedParameter"})):
-        for reference, slot in enumerate(layout.slots):
-            if slot.causality in wanted:
-                ET.SubElement(structure, element, valueReference=str(reference))
+    _structure(root, dae, layout)
     return parts.document(root)
+
+
+def _structure(root: ET.Element, dae: Dae, layout: Layout) -> None:
+    structure = ET.SubElement(root, "ModelStructure")
+    dependencies = Dependencies(dae, layout)
+
+    def add(element: str, reference: int, found: Sequence[Dependency]) -> None:
+        ET.SubElement(structure, element, {"valueReference": str(reference)} | parts.dependencies(found, 0))
+
+    for reference, slot in enumerate(layout.slots):
+        if slot.causality == "output":
+            add("Output", reference, dependencies.of(reference))
+    for reference in parts.initial_unknowns(layout):
+        add("InitialUnknown", reference, dependencies.of_initial(reference))
 
 
 def _types(root: ET.Element, enumerations: dict[str, tuple[str, ...]]) -> None:

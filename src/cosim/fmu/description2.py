@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ET
 
 from cosim.dae import Dae
 from cosim.fmu import _description_parts as parts
+from cosim.fmu.dependencies import Dependencies
 from cosim.fmu.layout import Layout
 
 _ELEMENTS = {
@@ -49,7 +50,7 @@ def describe2(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
     for reference, slot in enumerate(layout.slots):
         variable = ET.SubElement(variables, "ScalarVariable", parts.general_attributes(reference, slot))
         ET.SubElement(variable, _ELEMENTS[slot.type], parts.typed_attributes(slot, names))
-    _structure(root, layout)
+    _structure(root, dae, layout)
     return parts.document(root)
 
 
@@ -63,12 +64,17 @@ def _types(root: ET.Element, enumerations: dict[str, tuple[str, ...]]) -> None:
             ET.SubElement(element, "Item", name=literal, value=str(value))
 
 
-def _structure(root: ET.Element, layout: Layout) -> None:
+def _structure(root: ET.Element, dae: Dae, layout: Layout) -> None:
     """Variables are named by their position from 1; a list without entries is left out."""
     structure = ET.SubElement(root, "ModelStructure")
-    for element, wanted in (("Outputs", {"output"}), ("InitialUnknowns", {"output", "calculatedParameter"})):
-        indices = [index for index, slot in enumerate(layout.slots, start=1) if slot.causality in wanted]
-        if indices:
+    dependencies = Dependencies(dae, layout)
+    outputs = [reference for reference, slot in enumerate(layout.slots) if slot.causality == "output"]
+    for element, references, of in (
+        ("Outputs", outputs, dependencies.of),
+        ("InitialUnknowns", parts.initial_unknowns(layout), dependencies.of_initial),
+    ):
+        if references:
             unknowns = ET.SubElement(structure, element)
-            for index in indices:
-                ET.SubElement(unknowns, "Unknown", index=str(index))
+            for reference in references:
+                attributes = {"index": str(reference + 1)} | parts.dependencies(of(reference), 1)
+                ET.SubElement(unknowns, "Unknown", attributes)
