@@ -47,6 +47,10 @@ class FmuError(InputError):
     """An FMU that cannot be used: not an FMU, no binary for this platform, a variable it does not have."""
 
 
+class FmuWarning(UserWarning):
+    """Something in an FMU that the standard forbids, but that does no harm: it is read all the same."""
+
+
 class BuildError(CosimError, RuntimeError):
     """The C compiler is missing or failed."""
 

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from cosim.cli._builtin import locate
-from cosim.cli._screen import Screen
+from cosim.cli._screen import Screen, warned
 from cosim.engine import Fmu, Variable
 from cosim.errors import InputError
 
@@ -27,7 +27,8 @@ def show(name: str, screen: Screen) -> None:
             path = locate(name)
     elif not path.is_file():
         raise InputError("there is no such FMU", file=path)
-    fmu = Fmu.read(path)
+    with warned(screen):
+        fmu = Fmu.read(path)
     variables = [variable for kind in _SHOWN for variable in fmu.variables.values() if variable.causality == kind]
     facts: dict[str, object] = {
         "path": str(path),

@@ -11,7 +11,7 @@ from pathlib import Path
 from cosim.cli._builtin import locate
 from cosim.cli._screen import INTERRUPTED, Screen
 from cosim.engine import Result, System, explain_timing, simulate
-from cosim.errors import CosimError, InputError, SimulationError
+from cosim.errors import CosimError, FmuWarning, InputError, SimulationError
 from cosim.report import Run, clear, write
 from cosim.scenario import Scenario, ScenarioWarning, assemble, read
 
@@ -115,6 +115,7 @@ def _assemble(scenario: Scenario, outcome: Outcome, screen: Screen) -> System:
     with warnings.catch_warnings(record=True) as caught, screen.working("getting the FMUs ready"):
         warnings.simplefilter("ignore")
         warnings.simplefilter("always", ScenarioWarning)
+        warnings.simplefilter("always", FmuWarning)
         system = assemble(scenario, locate)
     outcome.notes = [str(warning.message) for warning in caught]
     for text in outcome.notes:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
-from cosim.errors import CosimError, ModelWarning
+from cosim.errors import CosimError, FmuWarning, ModelWarning
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
 
+_TOLD = (FmuWarning, ModelWarning)
 _LONG_RUN = 0.7
 """A progress bar is shown for runs that take longer than this [s]."""
 
@@ -124,18 +125,18 @@ class _Bar:
 
 @contextmanager
 def warned(screen: Screen) -> Iterator[list[str]]:
-    """Print the `ModelWarning` of what runs inside, each once; the list holds them afterwards, for JSON."""
+    """Print the warnings on models and FMUs of what runs inside, each once; the list holds them after it, for JSON."""
     texts: list[str] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             yield texts
         finally:
-            texts += dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, ModelWarning))
+            texts += dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, _TOLD))
             for text in texts:
                 screen.warn(text)
     for other in caught:
-        if not issubclass(other.category, ModelWarning):
+        if not issubclass(other.category, _TOLD):
             warnings.warn_explicit(other.message, other.category, other.filename, other.lineno)
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import os
 import shutil
 import tempfile
 import threading
+import warnings
 import weakref
-import zipfile
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -19,8 +18,10 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 from fmpy.model_description import ModelDescription
 
+from cosim.archive import Archive
 from cosim.engine._variable import Variable, binaries_of, left_out, names_of, variables_of
-from cosim.errors import FmuError
+from cosim.errors import FmuError, FmuWarning
+from cosim.foreign import RUN_CHECK, read_description
 
 _CAPABILITIES = (
     "needsExecutionTool",
@@ -108,30 +109,17 @@ class Fmu:
 
     @classmethod
     def read(cls, path: Path | str) -> Fmu:
-        """Read the description of an FMU and unpack it.
+        """Read the description of an FMU and unpack it; warns of what is wrong with it without harm (FmuWarning).
 
-        Raises FmuError if the file is missing, is no FMU, is damaged, has no Co-Simulation interface or no binary for
-        this computer.
+        Raises FmuError if the file is missing, is no FMU, is damaged or dangerous to unpack, has no Co-Simulation
+        interface or no binary for this computer.
         """
         path = Path(path)
-        try:
-            content = path.read_bytes()
-            with zipfile.ZipFile(path) as archive:
-                names = archive.namelist()
-                xml = archive.read("modelDescription.xml") if "modelDescription.xml" in names else b""
-        except OSError as error:
-            raise FmuError(f"cannot be read: {error.strerror}; give the path of an .fmu file", file=path) from error
-        except zipfile.BadZipFile as error:
-            raise FmuError("is not an FMU: it is not a zip archive; export the model again", file=path) from error
-        if "modelDescription.xml" not in names:
-            raise FmuError("is not an FMU: it has no modelDescription.xml; export the model again", file=path)
-        try:
-            description = fmpy.read_model_description(str(path), validate=False)
-        except Exception as error:
-            raise FmuError(
-                f"its modelDescription.xml cannot be read: {error}; run `cosim check` for all that is wrong with it",
-                file=path,
-            ) from error
+        archive = Archive.open(path)
+        description, xml, amiss = read_description(archive)
+        for what in amiss:
+            warnings.warn(f"{path}: {what}", FmuWarning, stacklevel=2)
+        names = archive.sizes
         if description.fmiMajorVersion == 1:
             raise FmuError("is an FMI 1.0 FMU; export it for FMI 2.0 or 3.0", file=path)
         if description.coSimulation is None:
@@ -144,13 +132,16 @@ class Fmu:
                 "export it for this platform",
                 file=path,
             )
-        fmu = cls(path, description, xml, hashlib.sha256(content).hexdigest(), platforms)
+        try:
+            fmu = cls(path, description, xml, archive.sha256, platforms)
+        except (ValueError, OverflowError, TypeError) as error:
+            raise FmuError(f"its variables cannot be read: {error}; {RUN_CHECK}", file=path) from error
         wanted = (library.rsplit("/", 1)[0] + "/", "resources/", "modelDescription.xml")
         try:
-            fmpy.extract(str(path), fmu._folder, include=lambda name: name.startswith(wanted))
-        except Exception as error:
+            archive.extract(fmu._folder, wanted)
+        except FmuError:
             fmu.close()
-            raise FmuError(f"cannot be unpacked: {error}; export the model again", file=path) from error
+            raise
         return fmu
 
     def slave(self) -> FMU2Slave | FMU3Slave:

@@ -1,0 +1,71 @@
+"""From an archive to fmpy's ModelDescription, and what was amiss on the way."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from typing import NamedTuple
+
+import fmpy
+from fmpy.model_description import ModelDescription
+from lxml import etree
+
+from cosim.archive import Archive, utf8_of
+from cosim.errors import FmuError
+from cosim.foreign._mend import mend
+
+NAME = "modelDescription.xml"
+SOURCES = "sources/buildDescription.xml"
+RUN_CHECK = "run `cosim check` for all that is wrong with it"
+
+
+class Reading(NamedTuple):
+    """A model description, the XML it was read from (UTF-8, mended), and what was amiss with it, in sentences."""
+
+    description: ModelDescription
+    xml: bytes
+    amiss: tuple[str, ...]
+
+
+def read_description(archive: Archive) -> Reading:
+    """Read an FMU's model description; what breaks the schema without harm is mended and told.
+
+    Raises FmuError if there is none, or it cannot be understood.
+    """
+    if NAME not in archive:
+        raise FmuError(
+            f"is not an FMU: it has no {NAME}{_elsewhere(archive)}; export the model again", file=archive.path
+        )
+    try:
+        xml, amiss = utf8_of(archive.read(NAME), f"its {NAME}")
+        sources, amiss_there = utf8_of(archive.read(SOURCES), f"its {SOURCES}") if SOURCES in archive else (None, [])
+    except FmuError as error:
+        raise error if error.file else FmuError(str(error), file=archive.path) from error
+    amiss = [f"{NAME} {what}" for what in amiss] + [f"{SOURCES} {what}" for what in amiss_there]
+    if archive.dotted:
+        amiss.append("its files are packed with './' in front of their names")
+    try:
+        root = etree.fromstring(xml, etree.XMLParser(remove_comments=True, remove_pis=True))
+        amiss += mend(root)
+        description = fmpy.read_model_description(_packed(etree.tostring(root), sources), validate=False)
+    except Exception as error:  # fmpy meets what is wrong with all kinds of exceptions
+        raise FmuError(f"its {NAME} cannot be read: {error}; {RUN_CHECK}", file=archive.path) from error
+    return Reading(description, xml, tuple(amiss))
+
+
+def _elsewhere(archive: Archive) -> str:
+    """Tell where the description is if someone has packed the folder instead of what is in it."""
+    for name in archive.sizes:
+        if name.endswith(f"/{NAME}"):
+            return f" at the top, but {name}: pack what is in that folder"
+    return ""
+
+
+def _packed(xml: bytes, sources: bytes | None) -> io.BytesIO:
+    """Return an archive with what fmpy reads, so that it reads what was checked and mended."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr(NAME, xml)
+        if sources is not None:
+            archive.writestr(SOURCES, sources)
+    return stream
