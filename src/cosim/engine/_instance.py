@@ -14,6 +14,7 @@ from typing import Any, ClassVar, NamedTuple, NoReturn
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Terminated
 
+from cosim.engine._calls import LOADING, Site
 from cosim.engine._fmu import Fmu
 from cosim.engine._log import FAILED, STATUS, Log, fmi2_callbacks
 from cosim.engine._variable import Value, Variable
@@ -69,25 +70,30 @@ class Instance(ABC):
     enter_step: Call
     update: Call
 
-    def __init__(self, name: str, fmu: Fmu, event_mode: bool) -> None:
+    def __init__(self, name: str, fmu: Fmu, event_mode: bool, site: Site | None = None) -> None:
         """Instantiate; raises FmuError if the FMU refuses."""
         self.name = name
         self.fmu = fmu
-        self.log = Log()
+        self.site = site or Site()
+        self.log = Log(self.site.say)
         self.t = c_double()
         self.h = c_double()
         self.flags = c_uint32()
         self.update_flags = c_uint64()
         self.next_event = c_double()
         self._fatal = False
+        self.site.enter(LOADING)
         self._slave = copy.copy(fmu.slave())
         self._slave.instanceName = name
         levels = ("logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal")
         categories = [category for category in fmu.log_categories if category in levels]
         try:
+            self.site.enter("Instantiate")
             self._instantiate(event_mode, logging=not categories)
             if categories:
+                self.site.enter("SetDebugLogging")
                 self._slave.setDebugLogging(True, categories)
+            self.site.leave()
         except Exception as error:
             raise FmuError(
                 f"{name} ({fmu.name}) cannot be instantiated; {self.log}; check that the file is complete",
@@ -144,7 +150,8 @@ class Instance(ABC):
     def _bind(self, function: str, *arguments: object) -> Call:
         bare = self._slave.dll[function]  # without argtypes: every argument is a ctypes object of the right type
         bare.restype = c_int
-        return partial(bare, c_void_p(self._slave.component), *arguments)
+        call = partial(bare, c_void_p(self._slave.component), *arguments)
+        return self.site.noting(function.removeprefix(self.symbol("")), call)
 
     def accessed_as(self, fmi_type: str) -> str:
         """Return the type whose functions read and set variables of an FMI type."""
@@ -187,10 +194,13 @@ class Instance(ABC):
 
     def once(self, function: str, call: Callable[[], object]) -> None:
         """Call through fmpy; raises CallError with the status that the FMU returned."""
+        self.site.enter(function.partition("(")[0])
         try:
             call()
         except Exception as error:
             self.check(function, int(getattr(error, "status", 3)))
+        finally:
+            self.site.leave()
 
     def check(self, function: str, status: int) -> None:
         """Raise CallError if a status says that a call failed."""
@@ -220,9 +230,12 @@ class Instance(ABC):
         """Terminate and free the instance, unless the FMU has declared itself broken."""
         if self._fatal or not self._slave.component:
             return
+        self.site.enter("Terminate")
         with suppress(FMICallException):  # after an error an FMU may refuse to terminate; it is freed all the same
             self._slave.terminate()
+        self.site.enter("FreeInstance")
         getattr(self._slave, f"fmi{self.fmu.fmi_version[0]}FreeInstance")(self._slave.component)
+        self.site.leave()
         self._slave.component = None
 
 
@@ -242,10 +255,12 @@ class Fmi2Instance(Instance):
     def check(self, function: str, status: int) -> None:
         """Raise CallError as for FMI 3.0; a doStep that returns Discard may also mean that the FMU wants to end."""
         if function == "DoStep" and status == STATUS.index("Discard"):
+            self.site.enter("GetBooleanStatus")
             try:
                 ended = self._slave.getBooleanStatus(fmi2Terminated)
             except FMICallException:
                 ended = False
+            self.site.leave()
             if ended:
                 self.fail_to_go_on()
         super().check(function, status)
@@ -314,7 +329,7 @@ def _has_own_reference(variable: Variable, last: Variable | None) -> bool:
     return variable.array is None or last is None or last.array != variable.array
 
 
-def instantiate(name: str, fmu: Fmu, event_mode: bool) -> Instance:
-    """Return a new instance of an FMU; raises FmuError if the FMU refuses."""
+def instantiate(name: str, fmu: Fmu, event_mode: bool, site: Site | None = None) -> Instance:
+    """Return a new instance of an FMU, whose calls are noted at ``site``; raises FmuError if the FMU refuses."""
     kind = Fmi2Instance if fmu.fmi_version == "2.0" else Fmi3Instance
-    return kind(name, fmu, event_mode)
+    return kind(name, fmu, event_mode, site)

@@ -14,7 +14,7 @@ from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t
 from pathlib import Path
 
 from cosim.engine import _compilation
-from cosim.engine._tables import SIZES, Engine
+from cosim.engine._structures import SIZES, Engine
 from cosim.errors import BuildError, InputError
 from cosim.fmu.toolchain import host_name
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections import deque
+from collections.abc import Callable
 from ctypes import byref
 from weakref import WeakValueDictionary
 
@@ -29,9 +30,10 @@ _ASSERTION = re.compile(r"\bassert(?:ion)?\b[^:]*:\s*(?P<reason>.+)", re.IGNOREC
 class Log:
     """The last messages of one FMU that are warnings or worse."""
 
-    def __init__(self) -> None:
-        """Start empty."""
+    def __init__(self, hand_on: Callable[[str], None] | None = None) -> None:
+        """Start empty; ``hand_on`` takes what ``str`` gives, whenever that has changed."""
         self._messages: deque[str] = deque(maxlen=_KEPT)
+        self._hand_on = hand_on
         self.key = next(_keys)
         _logs[self.key] = self
 
@@ -41,6 +43,8 @@ class Log:
             text = message.decode("utf-8", "replace").strip()
             if text and text not in self._messages:
                 self._messages.append(text)
+                if self._hand_on is not None:
+                    self._hand_on(str(self))
 
     @property
     def assertion(self) -> str | None:

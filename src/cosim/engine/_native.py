@@ -49,7 +49,7 @@ def run_native(
                 outcome = library.cosim_run(byref(engine), limit)
                 interrupt.check()
                 if progress is not None and outcome == _UNFINISHED:
-                    progress(engine.now)
+                    progress(engine.at.now)
                     limit = PROGRESS_INTERVAL
     finally:
         tables.take_back()

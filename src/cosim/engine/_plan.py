@@ -15,7 +15,7 @@ from array import array
 from collections.abc import Callable
 from ctypes import addressof, c_char_p, c_size_t
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from cosim.engine._channels import Line, Schedule, first_value
 from cosim.engine._instance import Instance
@@ -64,7 +64,7 @@ def make_plan(
     kind: Callable[..., Participant] = Participant,
 ) -> Plan:
     """Lay out the signals of a checked system and bind the calls of its instances; ``kind`` makes the participants."""
-    signals, columns, recorded, total = _lay_out(system)
+    signals, columns, recorded, total, variables = lay_out(system)
     texts = _text_signals(system, total + 1)
     values = array("d", bytes(8 * (total + 1 + len(texts))))
     holds, lines = _channel_signals(system, signals, values, total)
@@ -95,7 +95,6 @@ def make_plan(
         )
     continuous = [c for c in system.components if roles[c.name] is Role.CONTINUOUS]
     discrete = [c for c in system.components if roles[c.name] is not Role.CONTINUOUS]
-    by_name = {component.name: component for component in system.components}
     names = {component.name for component in continuous}
     coupled = any(c.source[0] in names and c.target[0] in names for c in system.connections)
     return Plan(
@@ -104,7 +103,7 @@ def make_plan(
         recorded=recorded,
         columns=columns,
         ends=ends,
-        variables={dotted(end): by_name[end[0]].fmu.variables[end[1]] for end in ends},
+        variables=variables,
         discrete=[participants[c.name] for c in discrete_order(discrete, system.connections)],
         continuous=[participants[c.name] for c in continuous_order(continuous, system.connections)],
         schedule=Schedule(holds, lines),
@@ -143,8 +142,21 @@ def _is_taken(component: Component, name: str, taken: set[tuple[str, str]]) -> b
     return any(owner == component.name and component.fmu.variables[n].array == array_name for owner, n in taken)
 
 
-def _lay_out(system: System) -> tuple[dict[tuple[str, str], int], dict[str, int], int, int]:
-    """Return the slot of each signal, of each column, the number of recorded signals, and of all."""
+class Layout(NamedTuple):
+    """The slot of each signal and of each column, the number of recorded signals, and of all but texts.
+
+    ``columns`` and ``variables`` are as in ``Plan``.
+    """
+
+    signals: dict[tuple[str, str], int]
+    columns: dict[str, int]
+    recorded: int
+    total: int
+    variables: dict[str, Variable]
+
+
+def lay_out(system: System) -> Layout:
+    """Lay out the signals of a checked system."""
     signals: dict[tuple[str, str], int] = {}
     taken = {connection.source for connection in system.connections}
     for component in system.components:
@@ -159,7 +171,10 @@ def _lay_out(system: System) -> tuple[dict[tuple[str, str], int], dict[str, int]
         for name in _recorded_outputs(component)
     }
     columns |= {dotted(channel.target): signals[channel.target] for channel in system.channels}
-    return signals, columns, len(signals), len(signals) + sum(channel.linear for channel in system.channels)
+    by_name = {component.name: component for component in system.components}
+    variables = {dotted(end): by_name[end[0]].fmu.variables[end[1]] for end in signals}
+    total = len(signals) + sum(channel.linear for channel in system.channels)
+    return Layout(signals, columns, len(signals), total, variables)
 
 
 def _text_signals(system: System, first: int) -> dict[tuple[str, str], int]:

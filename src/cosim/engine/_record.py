@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 from array import array
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.engine._instance import CallError
+from cosim.engine._structures import Engine, Position
 from cosim.engine._system import SAME_INSTANT
 from cosim.errors import InputError
 
@@ -20,15 +22,40 @@ class Record:
     """The rows recorded so far: the first ``count`` of ``rows``, shape (len(grid), recorded signals).
 
     ``loop`` is "native" or "python", ``now`` [s] the last instant reached, ``exchanges`` the number of those at which
-    values were handed over.
+    values were handed over. All three are kept at the beginning of ``header``, memory with room for an ``Engine``.
     """
 
     grid: NDArray[np.float64]
     rows: NDArray[np.float64]
     loop: str
-    count: int = 0
-    now: float = 0.0
-    exchanges: int = 0
+    header: bytearray | memoryview
+
+    def __post_init__(self) -> None:
+        """Look at the position in the header."""
+        self.at = Position.from_buffer(self.header)
+
+    @property
+    def count(self) -> int:
+        """Number of rows recorded."""
+        return self.at.row
+
+    @property
+    def now(self) -> float:
+        """The last instant reached [s]."""
+        return self.at.now
+
+    @now.setter
+    def now(self, t: float) -> None:
+        self.at.now = t
+
+    @property
+    def exchanges(self) -> int:
+        """Number of instants at which values were handed over."""
+        return self.at.exchanges
+
+    @exchanges.setter
+    def exchanges(self, count: int) -> None:
+        self.at.exchanges = count
 
     @classmethod
     def empty(cls, stop: float, interval: float, width: int, loop: str) -> Record:
@@ -46,14 +73,14 @@ class Record:
             raise refusal
         try:
             grid = output_grid(stop, interval)
-            return cls(grid, np.empty((len(grid), width), order="F"), loop)
+            return cls(grid, np.empty((len(grid), width), order="F"), loop, bytearray(ctypes.sizeof(Engine)))
         except MemoryError as error:
             raise refusal from error
 
     def put(self, values: array[float]) -> None:
         """Append a row: the first of these values."""
         self.rows[self.count] = values[: self.rows.shape[1]]
-        self.count += 1
+        self.at.row += 1
 
 
 def _memory() -> float:

@@ -19,6 +19,7 @@ OFTEN bool check(Engine *engine, const Component *component, CalledFunction func
 
 OFTEN bool do_step(Engine *engine, Component *component, double t, double h) {
     component->steps++;
+    enter(engine, component, DO_STEP);
     if (component->fmi == 2) {
         return check(engine, component, DO_STEP, ((DoStep2)component->do_step)(component->instance, t, h, 1));
     }
@@ -59,6 +60,7 @@ static bool handle_event(Engine *engine, Component *component, double t, bool re
     if (!component->in_event_mode) {
         const double own = fabs(component->due - t) <= SAME_INSTANT ? component->due : t;
         if (!carry(engine, component, own)) return false;
+        enter(engine, component, ENTER_EVENT_MODE);
         const Status status = ((Enter)component->enter_event_mode)(instance);
         if (!check(engine, component, ENTER_EVENT_MODE, status)) return false;
         component->in_event_mode = true;
@@ -69,6 +71,7 @@ static bool handle_event(Engine *engine, Component *component, double t, bool re
     for (int updates = 0; needed; updates++) {
         if (updates == MOST_UPDATES) return fail(engine, component, NEVER_SETTLES);
         needed = terminate = nominals = states = defined = false;
+        enter(engine, component, UPDATE_DISCRETE_STATES);
         const Status status = ((Update)component->update_discrete_states)(
             instance, &needed, &terminate, &nominals, &states, &defined, &next);
         if (!check(engine, component, UPDATE_DISCRETE_STATES, status)) return false;
@@ -82,5 +85,6 @@ static bool handle_event(Engine *engine, Component *component, double t, bool re
 static bool leave_event_mode(Engine *engine, Component *component) {
     component->events++;
     component->in_event_mode = false;
+    enter(engine, component, ENTER_STEP_MODE);
     return check(engine, component, ENTER_STEP_MODE, ((Enter)component->enter_step_mode)(component->instance));
 }

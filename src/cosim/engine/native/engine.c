@@ -12,6 +12,13 @@ RARE bool fail(Engine *engine, const Component *component, FailureKind kind) {
     return false;
 }
 
+/* The FMU may take the process down in any call: whoever looks after it finds out in which. */
+OFTEN void enter(Engine *engine, const Component *component, int32_t function) {
+    engine->at.calls++;
+    engine->at.component = component->number;
+    engine->at.function = function;
+}
+
 #include "texts.c"
 #include "access.c"
 #include "component.c"

@@ -63,6 +63,8 @@ typedef struct {
     Extent extents[2];  /* connected variables come first */
     int32_t type;
     int32_t number;     /* its place among all groups, for the record of a failure */
+    int32_t function;   /* its number among all that are called, for the position */
+    int32_t unused;
 } Group;
 
 /* A change of this signal is an event for the component, even between its own events. */
@@ -88,7 +90,7 @@ typedef struct {
     int64_t events;   /* instants with an event */
     int32_t fmi;      /* 2 or 3 */
     int32_t role;
-    int32_t number;   /* its place in the order of the tables */
+    int32_t number;   /* its place in the system */
     int32_t in_event_mode;
     int32_t event_needed; /* doStep has said so */
     int32_t stale;    /* outputs that are only recorded have not been read since it was computed */
@@ -134,7 +136,17 @@ typedef struct {
     int32_t kind, component, function, status, group, unused;
 } Failure;
 
+/* Where the run is. It may lie in memory that another process reads, which wants to know where this one has died. */
 typedef struct {
+    double now;          /* the last communication point that was reached */
+    int64_t row;         /* recorded so far */
+    int64_t exchanges;
+    int64_t calls;       /* of functions of FMUs, so far */
+    int32_t component, function; /* of the last one */
+} Position;
+
+typedef struct {
+    Position at;
     double *values;      /* the signals; the first n_recorded are the columns of the result */
     const double *grid;  /* times of the rows; the last is the end of the run */
     double *rows;        /* column i begins at rows + i * n_rows */
@@ -144,11 +156,8 @@ typedef struct {
     Text *texts;         /* of the signals from first_text on */
     int64_t n_values, n_recorded, n_rows, first_text;
     int64_t n_discrete, n_continuous, n_changes, n_lines;
-    int64_t row;         /* recorded so far */
     int64_t change;      /* the first that was not yet applied */
-    int64_t exchanges;
     int64_t macro_steps; /* fixed-step algorithm only */
-    double now;          /* the last communication point that was reached */
     double step;         /* macro step; fixed-step algorithm only */
     int32_t coupled;     /* every communication point is an exchange */
     int32_t started;

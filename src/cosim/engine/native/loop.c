@@ -36,7 +36,7 @@ static bool exchange(Engine *engine, double t, bool recording) {
 
 /* Step the continuous components from now to t, each with what those before it have just put out. */
 static bool advance(Engine *engine, double t, bool recording) {
-    const double now = engine->now, h = t - now;
+    const double now = engine->at.now, h = t - now;
     if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
     Component *const end = engine->continuous + engine->n_continuous;
     for (Component *component = engine->continuous; component < end; component++) {
@@ -52,7 +52,7 @@ static bool advance(Engine *engine, double t, bool recording) {
 /* Step to the next instant at which something is to be exchanged, or to the next row if that comes first. */
 static bool go_on(Engine *engine) {
     Component *const end = engine->discrete + engine->n_discrete;
-    const double row = engine->grid[engine->row], stop = engine->grid[engine->n_rows - 1];
+    const double row = engine->grid[engine->at.row], stop = engine->grid[engine->n_rows - 1];
     const double change = next_change(engine);
     double due = INFINITY;
     for (const Component *component = engine->discrete; component < end; component++) {
@@ -70,16 +70,16 @@ static bool go_on(Engine *engine) {
             exchanging = exchanging || component->due == t;
         }
     }
-    engine->now = t;
+    engine->at.now = t;
     if (exchanging && !(are_numbers(engine) && exchange(engine, t, recording))) return false;
-    engine->exchanges += exchanging || engine->coupled;
+    engine->at.exchanges += exchanging || engine->coupled;
     return true;
 }
 
 /* Between the communication points t and t + step all components see what all have put out at t. */
 static bool go_on_jacobi(Engine *engine) {
     Component *const end = engine->continuous + engine->n_continuous;
-    const double now = engine->now, h = engine->step;
+    const double now = engine->at.now, h = engine->step;
     const double t = (double)++engine->macro_steps * h;
     if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
     for (Component *component = engine->continuous; component < end; component++) {
@@ -94,15 +94,15 @@ static bool go_on_jacobi(Engine *engine) {
     }
     if (engine->n_lines > 0) set_lines(engine, t);
     if (next_change(engine) <= t + SAME_INSTANT) apply_changes(engine, t);
-    engine->now = t;
-    engine->exchanges++;
+    engine->at.now = t;
+    engine->at.exchanges++;
     return are_numbers(engine);
 }
 
 static bool start(Engine *engine) {
     engine->started = true;
     engine->not_a_number = true; /* has not been looked at yet */
-    engine->exchanges = 1;
+    engine->at.exchanges = 1;
     if (engine->step == 0.0) return exchange(engine, 0.0, true);
     apply_changes(engine, 0.0);
     return true;
@@ -122,9 +122,9 @@ EXPORT int cosim_run(Engine *engine, double limit) {
             until_look = now - looked > LONG ? 1 : BETWEEN_LOOKS;
             looked = now;
         }
-        if (is_row(engine, engine->now)) {
+        if (is_row(engine, engine->at.now)) {
             if (!put_row(engine)) return BROKEN;
-            if (engine->row == engine->n_rows) return FINISHED;
+            if (engine->at.row == engine->n_rows) return FINISHED;
         }
         if (!(jacobi ? go_on_jacobi(engine) : go_on(engine))) return BROKEN;
     }

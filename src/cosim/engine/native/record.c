@@ -2,9 +2,10 @@
  *
  * The rows of the result, and the clock by which a run is cut into pieces.
  */
+#include <stdatomic.h>
 #include <time.h>
 
-static inline bool is_row(const Engine *engine, double t) { return t >= engine->grid[engine->row] - SAME_INSTANT; }
+static inline bool is_row(const Engine *engine, double t) { return t >= engine->grid[engine->at.row] - SAME_INSTANT; }
 
 /* Whose output it is, the caller finds out. */
 RARE bool are_all_numbers(Engine *engine) {
@@ -23,8 +24,10 @@ static bool put_row(Engine *engine) {
         if (engine->discrete[i].stale && !read_outputs(engine, &engine->discrete[i], true)) return false;
     }
     if (!are_numbers(engine)) return false;
-    double *place = engine->rows + engine->row++;
+    double *place = engine->rows + engine->at.row;
     for (int64_t i = 0; i < engine->n_recorded; i++, place += engine->n_rows) *place = engine->values[i];
+    atomic_signal_fence(memory_order_release); /* whoever counts a row, wherever this ends, finds it whole */
+    engine->at.row++;
     return true;
 }
 

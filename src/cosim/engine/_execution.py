@@ -1,0 +1,120 @@
+"""One run of a system: instances made, initialised, simulated, freed; in whatever process this is called."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+
+from cosim.engine._calls import Site
+from cosim.engine._initialize import initialize
+from cosim.engine._instance import CallError, Instance, instantiate
+from cosim.engine._library import native_library
+from cosim.engine._loop import run, run_jacobi
+from cosim.engine._native import run_native
+from cosim.engine._parameters import parameters_of
+from cosim.engine._plan import Plan, make_plan, roles_of
+from cosim.engine._record import Record, failure_message
+from cosim.engine._role import Role
+from cosim.engine._system import System
+
+_COUNTERS = ("steps", "rejected_steps", "rhs_evaluations", "jacobians", "state_events", "time_events")
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is to be simulated, checked: times in s, ``step`` that of the Jacobi algorithm, None for the default one."""
+
+    system: System
+    stop: float
+    output_interval: float
+    tolerance: float
+    step: float | None = None
+
+
+@dataclass
+class Ending:
+    """How a run ended: ``statistics`` as in ``Result``; ``message`` says why it ended before its time."""
+
+    statistics: dict[str, object]
+    message: str | None = None
+    interrupted: bool = False
+
+
+def loop_name() -> str:
+    """Return which loop runs in this process, "native" or "python"; raises as ``native_library`` does."""
+    return "native" if native_library() else "python"
+
+
+@contextmanager
+def instantiated(job: Job, sites: Sequence[Site]) -> Iterator[Plan]:
+    """Give the plan of a run, with instances that note their calls at their component's site, and free them at the end.
+
+    Raises FmuError if an FMU cannot be loaded or instantiated.
+    """
+    system = job.system
+    roles = roles_of(system) if job.step is None else {c.name: Role.CONTINUOUS for c in system.components}
+    instances: dict[str, Instance] = {}
+    try:
+        for component, site in zip(system.components, sites, strict=True):
+            event_mode = roles[component.name] is Role.EVENT
+            instances[component.name] = instantiate(component.name, component.fmu, event_mode, site)
+        yield make_plan(system, roles, instances, job.output_interval)
+    finally:
+        for instance in instances.values():
+            instance.free()
+
+
+def execute(job: Job, plan: Plan, record: Record, progress: Callable[[float], None] | None) -> Ending:
+    """Initialise and simulate; the rows are in ``record``, whatever happens.
+
+    Raises InputError (FmuError) if a component refuses its parameters.
+    """
+    library = native_library() if record.loop == "native" else None
+    started = time.perf_counter()
+    try:
+        for component in job.system.components:
+            participant = next(p for p in (*plan.continuous, *plan.discrete) if p.instance.name == component.name)
+            participant.instance.set_values(parameters_of(component))
+        initialize(plan, job.tolerance, job.stop)
+        started = time.perf_counter()
+        if library is not None:
+            run_native(library, plan, record, job.step, progress)
+        elif job.step is not None:
+            run_jacobi(plan, record, job.step, progress)
+        else:
+            run(plan, record, progress)
+    except CallError as failure:
+        message = failure_message(failure, record)
+        return Ending(_statistics(plan, record, started, failure.instance), message)
+    except KeyboardInterrupt:
+        return Ending(_statistics(plan, record, started), interruption_message(record), interrupted=True)
+    return Ending(_statistics(plan, record, started))
+
+
+def interruption_message(record: Record) -> str:
+    """Return what the user reads after Ctrl-C."""
+    return f"the simulation was interrupted at t = {record.now:.9g} s"
+
+
+def _statistics(plan: Plan, record: Record, started: float, broken: Instance | None = None) -> dict[str, object]:
+    wall = time.perf_counter() - started
+    participants = [*plan.discrete, *plan.continuous]
+    return {
+        "wall_s": wall,
+        "loop": record.loop,
+        "exchanges": record.exchanges,
+        "roles": {p.instance.name: p.role.value for p in participants},
+        "steps": {p.instance.name: p.steps for p in participants},
+        "events": {p.instance.name: p.events for p in participants if p.role is Role.EVENT},
+        "solver": {p.instance.name: _counters(p.instance) for p in participants if p.instance is not broken},
+    }
+
+
+def _counters(instance: Instance) -> dict[str, int]:
+    """Return the solver counters that an FMU publishes and, after a failure elsewhere, is still able to give."""
+    published = [name for name in _COUNTERS if f"solver.{name}" in instance.fmu.variables]
+    with suppress(CallError):
+        return {name: int(instance.get_value(f"solver.{name}")) for name in published}
+    return {}

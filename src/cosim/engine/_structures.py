@@ -1,0 +1,110 @@
+"""The structures of the native loop, as native/engine.h has them, and the place in a run that all loops write down."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import Structure, c_double, c_int32, c_int64, c_size_t, c_void_p
+
+NOWHERE = -1
+"""Number of the component while no function of an FMU is running."""
+
+
+class Position(Structure):
+    """Where a run is: it can be read by another process while the run goes on, and after it has died.
+
+    ``now`` [s] is the last instant reached, ``row`` the number of rows recorded, ``exchanges`` the number of instants
+    at which values were handed over, ``calls`` that of calls so far. Of the last call ``component`` is the number of
+    the component in the system, ``function`` that of the FMI function in ``CALLS``.
+    """
+
+    _fields_ = [
+        ("now", c_double),
+        *((name, c_int64) for name in ("row", "exchanges", "calls")),
+        *((name, c_int32) for name in ("component", "function")),
+    ]
+    now: float
+    row: int
+    exchanges: int
+    calls: int
+    component: int
+    function: int
+
+
+class Wire(Structure):
+    _fields_ = [("factor", c_double), ("offset", c_double), ("source", c_int64)]
+
+
+class Extent(Structure):
+    _fields_ = [("references", c_int64), ("values", c_int64)]
+
+
+class Group(Structure):
+    _fields_ = [
+        *((name, c_void_p) for name in ("access", "references", "memory", "sizes", "limits", "doubles", "wires")),
+        ("extents", 2 * Extent),
+        *((name, c_int32) for name in ("type", "number", "function", "unused")),
+    ]
+
+
+class Trigger(Structure):
+    _fields_ = [("wire", Wire), ("input", c_void_p)]
+
+
+class Component(Structure):
+    _functions = ("do_step", "enter_event_mode", "enter_step_mode", "update_discrete_states")
+    _fields_ = [
+        ("instance", c_void_p),
+        *((name, c_void_p) for name in _functions),
+        *((name, c_void_p) for name in ("inputs", "outputs", "triggers")),
+        *((name, c_int64) for name in ("n_inputs", "n_triggers")),
+        ("n_outputs", 2 * c_int64),
+        *((name, c_double) for name in ("period", "due", "time")),
+        *((name, c_int64) for name in ("ticks", "steps", "events")),
+        *((name, c_int32) for name in ("fmi", "role", "number", "in_event_mode", "event_needed", "stale")),
+    ]
+
+
+class Change(Structure):
+    _fields_ = [("time", c_double), ("value", c_double), ("slot", c_int64)]
+
+
+class Line(Structure):
+    _fields_ = [
+        *((name, c_void_p) for name in ("times", "values")),
+        ("count", c_int64),
+        ("start", c_double),
+        *((name, c_int64) for name in ("slot", "middle")),
+    ]
+
+
+class Text(Structure):
+    _fields_ = [("bytes", c_void_p), ("size", c_size_t), ("room", c_size_t)]
+
+
+class Failure(Structure):
+    _fields_ = [
+        ("value", c_double),
+        *((name, c_int32) for name in ("kind", "component", "function", "status", "group", "unused")),
+    ]
+
+
+class Engine(Structure):
+    """The structure that the native loop works on; names as in engine.h."""
+
+    _fields_ = [
+        ("at", Position),
+        *(
+            (name, c_void_p)
+            for name in ("values", "grid", "rows", "discrete", "continuous", "changes", "lines", "texts")
+        ),
+        *((name, c_int64) for name in ("n_values", "n_recorded", "n_rows", "first_text")),
+        *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines")),
+        *((name, c_int64) for name in ("change", "macro_steps")),
+        ("step", c_double),
+        *((name, c_int32) for name in ("coupled", "started", "not_a_number", "unused")),
+        ("failure", Failure),
+    ]
+
+
+SIZES = tuple(ctypes.sizeof(s) for s in (Wire, Group, Trigger, Component, Change, Line, Text, Engine))
+"""Of the structures, in the order in which the library reports its own."""
