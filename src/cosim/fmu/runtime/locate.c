@@ -79,11 +79,13 @@ static void look_between(const Simulation *m, const Sample samples[SAMPLES], Sam
     }
 }
 
-/* Shrink (before, after) around the first change, by Illinois steps that are kept inside by the accuracy sought. */
+/* Shrink (before, after) around the first change, by Illinois steps (Dowell and Jarratt, BIT 11, 1971) that are kept
+ * inside by the accuracy sought: an end that stays for a second time has its value halved, so that it moves, too. */
 static void narrow(Simulation *m, Sample *before, Sample *after)
 {
     const RodasStep *r = &m->rodas.step;
     double weight_before = 1.0, weight_after = 1.0;
+    int moved = 0; /* the end that moved last: -1 before, 1 after */
     double accuracy = fmax(1e-13, 8.0 * DBL_EPSILON * (fabs(r->t) + r->h)) / r->h;
     for (int iteration = 0; iteration < 200 && after->theta - before->theta > accuracy; iteration++) {
         double fraction = 1.0;
@@ -102,11 +104,13 @@ static void narrow(Simulation *m, Sample *before, Sample *after)
         if (changed(m, &middle)) {
             *after = middle;
             weight_after = 1.0;
-            weight_before *= 0.5;
+            if (moved == 1) weight_before *= 0.5;
+            moved = 1;
         } else {
             *before = middle;
             weight_before = 1.0;
-            weight_after *= 0.5;
+            if (moved == -1) weight_after *= 0.5;
+            moved = -1;
         }
     }
 }
