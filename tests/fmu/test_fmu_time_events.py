@@ -58,6 +58,26 @@ def test_pulses_on_a_coil_follow_their_exponentials(simulate: Simulate, duty: fl
     assert result["solver.time_events"][-1] in ((100, 101) if inside else (50, 51))
 
 
+@pytest.mark.parametrize("enabled", [True, False])
+def test_registers_take_what_was_there_before_the_tick(simulate: Simulate, enabled: bool) -> None:
+    """Whatever order the groups of assignments come in, and although each overwrites what others read."""
+    outputs = [f"{name}[{k}]" for name in ("up", "down", "copy") for k in range(1, 41)]
+    result = simulate("Registers", 6.05, 0.05, (*outputs, "a", "b", "total"), enabled=enabled)
+    a, b, total, up, down, copy = 3.0, 5.0, 0.0, np.zeros(40), np.zeros(40), np.zeros(40)
+    for tick in range(61):
+        before = (a, b, up.copy(), down.copy(), copy.copy())
+        a, b = before[1], before[0]
+        if enabled:
+            up = np.concatenate((before[2][1:], [1.0]))
+            down = np.concatenate((before[3][1:] + before[2][:-1], [1.0 + before[0]]))
+        if tick % 2 == 0:
+            copy, total = before[2] - before[4] + before[0], before[2][0] + 2 * before[2][-1]
+        row = result[2 * tick + 1]  # between two ticks
+        assert (row["a"], row["b"], row["total"]) == (a, b, total)
+        for name, expected in (("up", up), ("down", down), ("copy", copy)):
+            assert [row[f"{name}[{k}]"] for k in range(1, 41)] == expected.tolist(), (name, tick)
+
+
 def test_an_instant_fixes_the_next(simulate: Simulate) -> None:
     result = simulate("Instants", 10.0, 0.01, ("seen", "n"))
     n = np.arange(0, 20)

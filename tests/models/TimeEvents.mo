@@ -16,6 +16,37 @@ package TimeEvents "Relations whose change is known beforehand"
     L*der(i) + R*i = if on then U else 0;
   end Pulses;
 
+  model Registers "Clocked registers that take from each other what was there before the tick"
+    parameter Real T(unit="s") = 0.1 "Period of the fast clock; the slow one has twice the period";
+    parameter Boolean enabled = true "Whether the fast clock shifts";
+    input Real u(unit="1", start=1) "Shifted in";
+    discrete output Real up[40](each unit="1", each start=0, each fixed=true) "Shifted towards the beginning";
+    discrete output Real down[40](each unit="1", each start=0, each fixed=true) "Shifted likewise, with what leaves up";
+    discrete output Real copy[40](each unit="1", each start=0, each fixed=true) "What up was before, slowly";
+    discrete output Real a(unit="1", start=3, fixed=true) "Changes places with b";
+    discrete output Real b(unit="1", start=5, fixed=true) "Changes places with a";
+    discrete output Real total(unit="1", start=0, fixed=true) "Of the ends of up before each slow tick";
+  equation
+    when sample(0, T) then
+      a = pre(b);
+      b = pre(a);
+    end when;
+    when sample(0, T) then
+      for k in 1:39 loop
+        up[k] = if enabled then pre(up[k + 1]) else pre(up[k]);
+        down[k] = if enabled then pre(down[k + 1]) + pre(up[k]) else pre(down[k]);
+      end for;
+      up[40] = if enabled then u else pre(up[40]);
+      down[40] = if enabled then u + pre(a) else pre(down[40]);
+    end when;
+    when sample(0, 2*T) then
+      for k in 1:40 loop
+        copy[k] = pre(up[k]) - pre(copy[k]) + pre(a);
+      end for;
+      total = pre(up[1]) + 2*pre(up[40]);
+    end when;
+  end Registers;
+
   model Instants "Each instant fixes the next one; the distance grows"
     parameter Real first(unit="s") = 0.5 "First instant";
     parameter Real step(unit="s") = 0.125 "First distance, and what each is longer than the one before";

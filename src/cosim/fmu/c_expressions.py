@@ -30,6 +30,8 @@ UNARY = {
 }  # fmt: skip
 SCALARS = frozenset({"t", "initial"})
 """Arguments of the generated functions that are not arrays."""
+MOST_NAMED = 400
+"""An argument that uses more entries than this is indexed in place instead of named."""
 _RESERVED = frozenset(
     """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
@@ -121,7 +123,7 @@ def print_function(
     results: Sequence[str],
     labels: Sequence[Sequence[str]],
     named: Sequence[tuple[str, str]] = (),
-    most_named: int = 400,
+    most_named: int = MOST_NAMED,
 ) -> list[str]:
     """The body of a C function that evaluates ``function``.
 

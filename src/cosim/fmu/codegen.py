@@ -11,17 +11,18 @@ import casadi as ca
 
 from cosim.dae import Dae
 from cosim.dae.dae import Computed
-from cosim.dae.hybrid import SX, Assignment
+from cosim.dae.hybrid import SX
 from cosim.dae.sweep import newton_sweep
 from cosim.dae.symbolic import substitute
 from cosim.fmu.c_expressions import SCALARS, number, print_function
 from cosim.fmu.c_text import WIDTH, comment, function, remark, scope, string, table
 from cosim.fmu.constraint_tables import constraint_sizes, constraint_tables
+from cosim.fmu.discrete_groups import Group, Keeping, group_assignments, is_all_clocked, what_to_keep
 from cosim.fmu.layout import Layout
 from cosim.fmu.loops import Run, c_expression, find_runs, shared
 
 _CONTINUOUS = ("t", "v", "u", "p", "d", "c")
-_DISCRETE = (*_CONTINUOUS, "pre", "fired", "initial", "d_new")
+_DISCRETE = (*_CONTINUOUS, "pre", "fired", "initial", "d_new", "kept")
 _UNUSED = "    (void)t, (void)v, (void)u, (void)p, (void)d, (void)c;"
 
 
@@ -43,6 +44,10 @@ class _Generator:
         self._layout = layout
         self._named = [v for v in dae.computed if not v.value.is_leaf()]
         self._swept = newton_sweep(dae.residuals, [unknown.symbol for unknown in dae.torn]) if dae.torn else None
+        self._all_clocked = is_all_clocked(dae)
+        self._groups = group_assignments(dae)
+        nothing = Keeping(frozenset(), (frozenset(),) * len(self._groups), {})
+        self._keeping = what_to_keep(dae, self._groups) if self._all_clocked else nothing
         discretes = [s.name for s in dae.discretes]
         self._labels: dict[str, list[str]] = {
             "t": ["time"],
@@ -55,6 +60,7 @@ class _Generator:
             "fired": [f"fired_{k}" for k in range(len(dae.clocks))],
             "initial": ["initial"],
             "d_new": [f"new_{name}" for name in discretes],
+            "kept": [f"pre_{discretes[k]}" for k in self._keeping.place],
         }
         self._arguments: dict[str, SX] = {
             "t": dae.time,
@@ -67,6 +73,7 @@ class _Generator:
             "fired": _column([c.fired for c in dae.clocks]),
             "initial": dae.initial,
             "d_new": _column([dae.new[name] for name in discretes]),
+            "kept": _column([SX.sym(f"kept({discretes[k]})") for k in self._keeping.place]),
         }
 
     def sizes(self, token: str) -> str:
@@ -78,7 +85,7 @@ class _Generator:
             "NVARIABLES": len(layout.slots),
         }  # fmt: skip
         values |= constraint_sizes(dae.constraints)
-        values["ALL_CLOCKED"] = int(_all_clocked(dae))
+        values["ALL_CLOCKED"] = int(self._all_clocked)
         values["HAS_TIME_RELATIONS"] = int(any(r.slope for r in dae.relations))
         values["TERMINAL"] = next((k for k, clock in enumerate(dae.clocks) if clock.terminal), -1)
         values["HAS_SWEEP"] = int(self._swept is not None)
@@ -228,15 +235,18 @@ class _Generator:
     def _discrete(self) -> list[str]:
         dae = self._dae
         body = [_UNUSED.strip(), "(void)pre, (void)fired, (void)initial, (void)d_new, (void)x_new;"]
-        for group in _groups(dae.assignments):
-            body += self._group(group)
+        at_head = self._keeping.at_head
+        if self._keeping.place:
+            body += [f"double kept[{len(self._keeping.place)}];", *self._copies(at_head)]
+        for group, own in zip(self._groups, self._keeping.in_group, strict=True):
+            body += self._group(group, own)
         for reset in dae.resets:
             value = [f"x_new[{reset.index}] = value[0];"]
             compute = self._body(_DISCRETE, [("value", reset.value)])
             body += self._guarded(reset.guard, ["double value[1];", *compute, *value])
         body.append("int terminate = 0;")
         for k, (guard, _) in enumerate(dae.terminations):
-            body += self._guarded(guard, [f"terminate = {k + 1};"])
+            body += self._guarded(self._from_kept(guard, at_head), [f"terminate = {k + 1};"])
         body.append("return terminate;")
         head = (
             "int model_discrete(MODEL_CONTINUOUS_ARGUMENTS, const double *pre, const double *fired, int initial,\n"
@@ -244,28 +254,33 @@ class _Generator:
         )
         return function(head, body)
 
-    def _group(self, group: list[Assignment]) -> list[str]:
-        """Assignments with one guard, computed together."""
-        index = {s.name: k for k, s in enumerate(self._dae.discretes)}
-        values: dict[str, SX] = {}
-        targets: list[str] = []
-        for assignment in group:
-            results = ca.vertsplit(ca.vec(substitute(assignment.values, values)))
-            for target, value in zip(assignment.targets, results, strict=True):
-                values[f"new({target})"] = value
-                targets.append(target)
-        expressions = [values[f"new({target})"] for target in targets]
-        positions = [index[target] for target in targets]
-        body = self._elements(_DISCRETE, "d_new", expressions, positions)
+    def _from_kept(self, value: SX, entries: Iterable[int]) -> SX:
+        """``value`` with these entries of ``pre`` read from where they are kept."""
+        pre, kept = self._arguments["pre"], self._arguments["kept"]
+        return substitute(value, {pre[k].name(): kept[self._keeping.place[k]] for k in entries})
+
+    def _copies(self, entries: Iterable[int]) -> list[str]:
+        """Keep these entries of ``pre``."""
+        lines = []
+        for first, count in _ranges(sorted(entries)):
+            place = self._keeping.place[first]
+            one = f"kept[{place}] = pre[{first}];"
+            lines.append(one if count == 1 else f"memcpy(&kept[{place}], &pre[{first}], {count} * sizeof *kept);")
+        return lines
+
+    def _group(self, group: Group, own: frozenset[int]) -> list[str]:
+        """Assignments with one guard, computed together; ``own`` are the entries of ``pre`` kept for them alone."""
+        late = self._keeping.at_head | own
+        values = ca.vertsplit(self._from_kept(_column(group.values), late))
+        body = [*self._copies(own), *self._elements(_DISCRETE, "d_new", values, group.positions)]
         body += [
             f"if (model_has_nan(d_new + {first}, {count})) return MODEL_NOT_A_NUMBER;"
-            for first, count in _ranges(positions)
+            for first, count in _ranges(group.positions)
         ]
-        texts = "; ".join(dict.fromkeys(a.text for a in group))
-        heading = remark(comment(texts))
-        if group[0].guard is None:
+        heading = remark(comment(group.text))
+        if group.guard is None:
             return [*heading, *scope(body)]
-        return [*heading, *self._guarded(group[0].guard, body)]
+        return [*heading, *self._guarded(self._from_kept(group.guard, self._keeping.at_head), body)]
 
     def _guarded(self, guard: SX, body: list[str]) -> list[str]:
         condition = self._body(_DISCRETE, [("active", guard)])
@@ -326,32 +341,6 @@ class _Generator:
         labels = [self._labels[name] for name in arguments]
         titles = [(variable.name, comment(variable.remark)) for variable in named]
         return print_function(function, arguments, [name for name, _ in results], labels, titles)
-
-
-def _all_clocked(dae: Dae) -> bool:
-    """Whether a discrete model stands still but for the ticks of its clocks."""
-    still = {clock.fired.name(): SX(0.0) for clock in dae.clocks}
-    guards = (assignment.guard for assignment in dae.assignments)
-    return (
-        not dae.unknowns
-        and not dae.relations
-        and all(guard is not None and substitute(guard, still).is_zero() for guard in guards)
-    )
-
-
-def _groups(assignments: Sequence[Assignment]) -> list[list[Assignment]]:
-    groups: list[list[Assignment]] = []
-    for assignment in assignments:
-        last = groups[-1][0].guard if groups else None
-        same = groups and (
-            (last is None and assignment.guard is None)
-            or (last is not None and assignment.guard is not None and ca.is_equal(last, assignment.guard, 20))
-        )
-        if same:
-            groups[-1].append(assignment)
-        else:
-            groups.append([assignment])
-    return groups
 
 
 def _moved(line: str, array: str, positions: Sequence[int]) -> str:

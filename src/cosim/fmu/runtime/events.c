@@ -116,13 +116,13 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
                            text[0] ? "the relations " : "the discrete variables", text);
 }
 
-/* Of a model that changes with its clocks only, one pass over the discrete equations is the whole event. */
+/* Of a model that changes with its clocks only, one pass over the discrete equations is the whole event. It overwrites
+ * them where they are: a long filter would cost more to copy than to compute. */
 static int tick(Simulation *m, const double *fired)
 {
     State *s = &m->s;
-    double pre[MODEL_ROOM(MODEL_ND)], unused[MODEL_ROOM(MODEL_NX)];
-    memcpy(pre, s->d, sizeof pre);
-    int outcome = model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, pre, fired, 0, s->d, unused);
+    double unused[MODEL_ROOM(MODEL_NX)];
+    int outcome = model_discrete(s->t, s->v, s->u, s->p, s->d, s->c, s->d, fired, 0, s->d, unused);
     if (outcome == MODEL_NOT_A_NUMBER) return not_a_number(m, s->d);
     if (outcome) s->terminate = outcome;
     return 1;

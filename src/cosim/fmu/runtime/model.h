@@ -165,7 +165,7 @@ int model_violated_assertion(MODEL_CONTINUOUS_ARGUMENTS);
 
 /* One pass over the discrete equations at an event.
  *
- * pre   values of d before this pass (Modelica's pre())
+ * pre   values of d before this pass (Modelica's pre()); of a model with MODEL_ALL_CLOCKED, d_new may be the same array
  * fired 1 for each sample clock that ticks in this pass
  * d_new the discrete variables: pre when called, then the new values
  * x_new the states: those of v when called, then with reinit() applied
