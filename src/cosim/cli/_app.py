@@ -254,6 +254,18 @@ def linearize_command(
 def thesis(
     *,
     out: Annotated[Path, typer.Option(metavar="DIR", help="The folder thesis/ is made in.")] = Path("results"),
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="Read table 4.1 otherwise than a plot shows it, as cosim score does: 'late=20 ms'. Repeatable.",
+        ),
+    ] = None,
+    measured: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.csv", help="Measured torque for figure 3.6: columns 'time [s]' and 'torque [N.m]'."),
+    ] = None,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -262,7 +274,7 @@ def thesis(
     with reporting(screen):
         from cosim.cli._thesis import reproduce_thesis
 
-        reproduce_thesis(out / "thesis", screen)
+        reproduce_thesis(out / "thesis", settings or [], measured, screen)
 
 
 @app.command(name="score")

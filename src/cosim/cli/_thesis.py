@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from cosim.assessment import Rules
 from cosim.cli._builtin import locate
+from cosim.cli._choices import choices
 from cosim.cli._screen import Screen
 from cosim.fmu.catalogue import data_folder
 from cosim.thesis import reproduce
 
 
-def reproduce_thesis(out: Path, screen: Screen) -> None:
+def reproduce_thesis(out: Path, settings: Sequence[str], measured: Path | None, screen: Screen) -> None:
     """Make everything in ``out`` and say what was made."""
-    with screen.working("simulating and drawing"):
-        made = reproduce(out, data_folder() / "scenarios", locate)
+    rules = choices(Rules, settings) if settings else None
+    with screen.working("simulating and drawing") as status:
+        update: Callable[[str], None] = getattr(status, "update", lambda _: None)
+        made = reproduce(out, data_folder() / "scenarios", locate, rules=rules, measured=measured, say=update)
     screen.document({
         "files": [str(path) for path in made.files],
         "table_4_1": [{"sample_time_s": run.sample_time, "load": run.load} | run.score.to_dict() for run in made.rig],

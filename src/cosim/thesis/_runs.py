@@ -8,10 +8,12 @@ from pathlib import Path
 
 from cosim.assessment import Score, score
 from cosim.engine import Channel, Component, Fmu, Result, System, simulate
-from cosim.scenario import assemble, read
+from cosim.scenario import Scenario, assemble, read
 
 SAMPLE_TIMES = (0.001, 0.002, 0.010, 0.020, 0.050)
 """Sampling times of the current in section 4.5 [s]."""
+FULL_STOP = "controller.stop_ratio=1"
+"""Soft_stop as long as the other ramps, as figure 3.12 draws it; figure 3.11 makes it half as long."""
 
 Locate = Callable[[str], Path]
 
@@ -28,7 +30,11 @@ class RigRun:
 
 def scenario_run(file: Path, locate: Locate, *settings: str) -> Result:
     """Simulate a scenario file with ``name=value`` settings, as ``cosim run --set`` does."""
-    scenario = read(file, settings)
+    return run(read(file, settings), locate)
+
+
+def run(scenario: Scenario, locate: Locate) -> Result:
+    """Simulate what a scenario says."""
     return simulate(
         assemble(scenario, locate),
         stop=scenario.stop,
@@ -37,12 +43,12 @@ def scenario_run(file: Path, locate: Locate, *settings: str) -> Result:
     )
 
 
-def rig_runs(scenarios: Path, locate: Locate) -> list[RigRun]:
+def rig_runs(scenarios: Path, locate: Locate, *settings: str) -> list[RigRun]:
     """The rig under the profile: each sampling time with its normal load, then braked and pushed in turn."""
     runs = []
     for sample_time in SAMPLE_TIMES:
         for load, ending in (("normal", ""), ("disturbed", "_disturbed")):
-            result = scenario_run(scenarios / f"rig_{sample_time * 1e3:.0f}ms{ending}.csv", locate)
+            result = scenario_run(scenarios / f"rig_{sample_time * 1e3:.0f}ms{ending}.csv", locate, *settings)
             runs.append(RigRun(sample_time, load, result, score(result)))
     return runs
 
