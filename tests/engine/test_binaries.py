@@ -113,3 +113,25 @@ def test_the_explanation_of_the_timing_tells_sizes(fmu: Get) -> None:
     lines = explain_timing(ring(fmu), stop=2.0, output_interval=0.1).splitlines()
     assert lines[lines.index("  b.y[1] -> a.u[1]") + 3] == "    1 byte: put out at 0.1 s, acts from 0.1 s on"
     assert lines[lines.index("  b.y[1] -> a.u[1]") + 4] == "    2 bytes: put out at 0.2 s, acts from 0.2 s on"
+
+
+def test_a_parameter_has_bytes(fmu: Get) -> None:
+    """Each put out in front of the k bytes of step k; elements that are not named keep their start value."""
+    system = ring(fmu)
+    system.components[0] = Component("a", fmu("parcel"), {"first[1]": "0aFF"})
+    result = run(system)
+    assert result.columns["b.size"].tolist()[2:] == [2 + k + k - 1 for k in range(2, 21)]
+    assert result.columns["b.sum"].tolist()[2:] == [0x0A + 0xFF + total(k) + total(k - 1) for k in range(2, 21)]
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("0a0", "a.first[2]: '0a0' does not fit; it takes a text of two hexadecimal digits for each byte"),
+        ("0x", "a.first[2]: '0x' does not fit; it takes a text of two hexadecimal digits for each byte"),
+        (12.0, "a.first[2]: 12.0 does not fit; it takes a text of two hexadecimal digits for each byte"),
+        ("0102030405", "a.first[2]: has 5 bytes; it takes at most 4"),
+    ],
+)
+def test_a_parameter_that_is_no_binary(fmu: Get, value: str | float, message: str) -> None:
+    assert refused(System([Component("a", fmu("parcel"), {"first[2]": value})])) == message

@@ -219,14 +219,6 @@ def test_clocks_are_refused_by_name(fmu_path: Callable[[str, int], Path], tmp_pa
         assert refuse(System([Component("c", odd, {"b": 1.0})]), FmuError) == "c.b: is a Clock; it cannot be set"
 
 
-def test_a_binary_parameter_cannot_be_set(fmu_path: Callable[[str, int], Path], tmp_path: Path) -> None:
-    binary = '<Binary name="b" valueReference="40" causality="parameter" variability="fixed"/>'
-    edit = replacing("</ModelVariables>", f"{binary}</ModelVariables>")
-    with Fmu.read(repack(fmu_path("sampler", 3), tmp_path / "x.fmu", edit)) as odd:
-        message = "c.b: is a Binary; only numbers and texts can be set"
-        assert refuse(System([Component("c", odd, {"b": "00"})]), FmuError) == message
-
-
 def test_a_sample_period_of_nothing(fmu: Get) -> None:
     assert refuse(System([Component("c", fmu("sampler", 2), {"T_compute": 0.0})]), FmuError) == (
         "c.T_compute: is 0.0; a sample period must be above 2e-09 s"

@@ -65,3 +65,20 @@ def test_what_is_no_text(fmu: Get) -> None:
     system = System([Component("a", fmu("label"))], channels=[Channel(("a", "u"), [0.0], [1.0])])
     with pytest.raises(FmuError, match=r"^channel a.u: is a String; a channel has numbers only$"):
         run(system)
+
+
+def test_arrays_of_texts(fmu: Get) -> None:
+    """Each element goes its own way: b hears what a has put out in the same step, a what b did in the step before."""
+    words = fmu("words")
+    parts = [Component("a", words, {"name[2]": "a longer word"}), Component("b", words)]
+    links = [Connection((s, f"y[{i}]"), (t, f"u[{i}]")) for s, t in ("ab", "ba") for i in (1, 2)]
+    result = run(System(parts, links))
+    b, heard = ["", ""], {"a": [0.0], "b": [0.0]}
+    for _ in range(20):
+        heard["a"].append(len(b[0]) + 100 * len(b[1]))
+        a = [f"word {b[1][:30]}", f"a longer word {b[0][:30]}"]
+        heard["b"].append(len(a[0]) + 100 * len(a[1]))
+        b = [f"word {a[1][:30]}", f"word {a[0][:30]}"]
+    assert result.columns["a.heard"].tolist() == heard["a"]
+    assert result.columns["b.heard"].tolist() == heard["b"]
+    assert words.variables["name[1]"].start == "word"

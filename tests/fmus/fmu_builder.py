@@ -128,6 +128,15 @@ LABEL = Model(
         Described("set", 11, "output", "discrete", "Int32"),
     ),
 )
+WORDS = Model(
+    "words",
+    (
+        Described("u", 1, "input", "discrete", "String", start="-", size=(2,)),
+        Described("y", 3, "output", "discrete", "String", size=(2,)),
+        Described("name", 5, "parameter", "fixed", "String", start="word", size=(2,)),
+        Described("heard", 10, "output", unit="m"),
+    ),
+)
 PARCEL = Model(
     "parcel",
     (
@@ -137,6 +146,7 @@ PARCEL = Model(
         Described("sum", 10, "output", unit="m"),
         Described("size", 11, "output", "discrete", "Int32"),
         Described("set", 12, "output", "discrete", "Int32"),
+        Described("first", 4, "parameter", "fixed", "Binary", start="", size=(2,), most=4),
     ),
 )
 FOREIGN = Model(
@@ -149,7 +159,7 @@ FOREIGN = Model(
         Described("y", 5, "output", "discrete", unit="m/s", depends=None),
     ),
 )
-MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, PARCEL, FOREIGN)}
+MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, WORDS, PARCEL, FOREIGN)}
 
 
 def build(model: Model, fmi: int, folder: Path, *, variable_steps: bool = True) -> Path:
@@ -207,7 +217,7 @@ def _description3(model: Model) -> str:
         attributes += f' mimeType="{v.media_type}"' if v.media_type else ""
         attributes += f' maxSize="{v.most}"' if v.most else ""
         inner = "".join(f'<Dimension start="{size}"/>' for size in v.size)
-        inner += f'<Start value="{v.start}"/>' * (v.size or (1,))[0] if opaque and v.start else ""
+        inner += f'<Start value="{v.start}"/>' * (v.size or (1,))[0] if opaque and v.start is not None else ""
         lines.append(f'<{v.type} valueReference="{v.reference}" {attributes}{declared}>{inner}</{v.type}>')
     outputs, unknowns = [], []
     references = {v.name: str(v.reference) for v in model.variables}

@@ -24,10 +24,10 @@
 
 typedef struct {
     double v[ROOM];
-    char text[4][80]; /* the first value references may be texts */
+    char text[8][80]; /* the first value references may be texts */
 #ifdef BINARY
-    unsigned char binary[4][2][80]; /* or arrays of two Binary values */
-    size_t size[4][2];
+    unsigned char binary[5][2][80]; /* or arrays of two Binary values */
+    size_t size[5][2];
 #endif
     double time;
     double next_event; /* infinite: none */
@@ -185,12 +185,16 @@ ACCESS(UInt64, fmi3UInt64)
 ACCESS(Boolean, fmi3Boolean)
 
 fmi3Status fmi3GetString(fmi3Instance c, const fmi3ValueReference vr[], size_t n, fmi3String value[], size_t nv) {
-    for (size_t i = 0; i < n; i++) value[i] = ((Model *)c)->text[vr[i]];
-    return n == nv ? fmi3OK : fmi3Error;
+    size_t k = 0;
+    for (size_t i = 0; i < n; i++)
+        for (int j = 0; j < LENGTH(vr[i]); j++) value[k++] = ((Model *)c)->text[vr[i] + j];
+    return k == nv ? fmi3OK : fmi3Error;
 }
 fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3String value[], size_t nv) {
-    for (size_t i = 0; i < n; i++) set_text(c, vr[i], value[i]);
-    return n == nv ? fmi3OK : fmi3Error;
+    size_t k = 0;
+    for (size_t i = 0; i < n; i++)
+        for (int j = 0; j < LENGTH(vr[i]); j++) set_text(c, vr[i] + j, value[k++]);
+    return k == nv ? fmi3OK : fmi3Error;
 }
 
 #ifdef BINARY

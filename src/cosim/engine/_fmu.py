@@ -19,7 +19,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.model_description import ModelDescription
 
 from cosim.archive import Archive
-from cosim.engine._variable import Variable, binaries_of, left_out, names_of, variables_of
+from cosim.engine._variable import Variable, left_out, names_of, opaque_of, variables_of
 from cosim.errors import FmuError, FmuWarning
 from cosim.foreign import RUN_CHECK, read_description
 
@@ -85,12 +85,12 @@ class Fmu:
         self.variables = {}
         self.fmi_types = {}
         self.left_out = {}
-        binaries = binaries_of(xml)
+        opaque = opaque_of(xml)
         for described in description.modelVariables:
             what = left_out(described)
             if what is not None:
                 self.left_out[described.name] = what
-            for variable in variables_of(described, binaries):
+            for variable in variables_of(described, opaque):
                 self.variables[variable.name] = variable
                 self.fmi_types[variable.name] = described.type
         self.dependencies = {

@@ -17,7 +17,7 @@ from fmpy.fmi2 import fmi2Terminated
 from cosim.engine._calls import LOADING, Site
 from cosim.engine._fmu import Fmu
 from cosim.engine._log import FAILED, STATUS, Log, fmi2_callbacks
-from cosim.engine._variable import Value, Variable
+from cosim.engine._variable import OPAQUE, Value, Variable
 from cosim.errors import FmuError
 
 Call = Callable[[], int]
@@ -123,8 +123,8 @@ class Instance(ABC):
         return Access(call, function, referred, len(names), address)
 
     @abstractmethod
-    def set_string(self, reference: int, value: str) -> None:
-        """Set a String."""
+    def set_opaque(self, fmi_type: str, reference: int, values: list[str]) -> None:
+        """Set a String or a Binary, whose bytes are given in hexadecimal digits, or all elements of an array."""
 
     @abstractmethod
     def enter_initialization(self, tolerance: float, stop: float | None) -> None:
@@ -159,25 +159,29 @@ class Instance(ABC):
 
     def set_values(self, values: dict[str, Value]) -> None:
         """Set variables before Initialization Mode; elements of an array that are not named keep their start values."""
-        for name, value in values.items():
+        for name in values:
             variable = self.fmu.variables[name]
-            if isinstance(value, str):
-                self.once(f"SetString({name})", partial(self.set_string, variable.value_reference, value))
-            elif variable.array is None:
-                self._set({name: value})
-            else:
-                elements = [v for v in self.fmu.variables.values() if v.array == variable.array]
-                self._set({v.name: values.get(v.name, v.start) for v in elements})
+            elements = [v for v in self.fmu.variables.values() if v.array == variable.array]
+            together = [variable] if variable.array is None else elements
+            self._set({v.name: values.get(v.name, v.start) for v in together})
 
     def _set(self, values: dict[str, Value | None]) -> None:
         """Set a scalar, or all elements of an array."""
         names = list(values)
         fmi_type = self.fmu.fmi_types[names[0]]
+        for name, value in values.items():
+            if value is None:
+                raise FmuError(f"{self.name}.{name}: has no start value; set it, too, or no element of its array")
+        if fmi_type in OPAQUE:
+            texts = [str(value) for value in values.values()]
+            reference = self.fmu.variables[names[0]].value_reference
+            call = partial(self.set_opaque, fmi_type, reference, texts)
+            self.once(f"Set{fmi_type}({', '.join(names)})", call)
+            return
         code = self.type_codes[fmi_type]
         buffer: array[Any] = array(code, [])
         for name, value in values.items():
-            if value is None or isinstance(value, str):
-                raise FmuError(f"{self.name}.{name}: has no start value; set it, too, or no element of its array")
+            assert value is not None and not isinstance(value, str)
             try:
                 buffer.append(value if code in "df" else int(value))
             except OverflowError as error:
@@ -265,9 +269,9 @@ class Fmi2Instance(Instance):
                 self.fail_to_go_on()
         super().check(function, status)
 
-    def set_string(self, reference: int, value: str) -> None:
+    def set_opaque(self, fmi_type: str, reference: int, values: list[str]) -> None:
         """Call fmi2SetString."""
-        self._slave.setString([reference], [value])
+        self._slave.setString([reference], values)
 
     def enter_initialization(self, tolerance: float, stop: float | None) -> None:
         """Call fmi2SetupExperiment and fmi2EnterInitializationMode."""
@@ -314,9 +318,12 @@ class Fmi3Instance(Instance):
         self.enter_event = self._bind("fmi3EnterEventMode")
         self.enter_step = self._bind("fmi3EnterStepMode")
 
-    def set_string(self, reference: int, value: str) -> None:
-        """Call fmi3SetString."""
-        self._slave.setString([reference], [value])
+    def set_opaque(self, fmi_type: str, reference: int, values: list[str]) -> None:
+        """Call fmi3SetString or fmi3SetBinary."""
+        if fmi_type == "String":
+            self._slave.setString([reference], values)
+        else:
+            self._slave.setBinary([reference], [bytes.fromhex(value) for value in values])
 
     def enter_initialization(self, tolerance: float, stop: float | None) -> None:
         """Call fmi3EnterInitializationMode."""

@@ -45,7 +45,7 @@ def _converted(component: Component, name: str, value: Value) -> Value:
     if name not in settable:
         raise FmuError(f"{full}: {_WHY.get(variable.causality, 'is no parameter; it cannot be set')}")
     if variable.type == "Binary":
-        raise FmuError(f"{full}: is a Binary; only numbers and texts can be set")
+        return _checked_binary(full, variable, value)
     if variable.type == "String":
         if isinstance(value, str):
             return value
@@ -57,6 +57,19 @@ def _converted(component: Component, name: str, value: Value) -> Value:
     elif value == int(value) and (variable.type != "Boolean" or value in (0, 1)):
         return bool(value) if variable.type == "Boolean" else int(value)
     raise FmuError(f"{full}: {value!r} does not fit; it takes {_accepted(variable)}")
+
+
+def _checked_binary(full: str, variable: Variable, value: Value) -> str:
+    """Return the hexadecimal digits of a Binary if they are such, and no more bytes than it may have."""
+    try:
+        size = len(bytes.fromhex(value if isinstance(value, str) else "?"))
+    except ValueError:
+        message = f"{full}: {value!r} does not fit; it takes a text of two hexadecimal digits for each byte"
+        raise FmuError(message) from None
+    most = variable.binary.most if variable.binary else None
+    if most is not None and size > most:
+        raise FmuError(f"{full}: has {size} bytes; it takes at most {most}")
+    return str(value)
 
 
 def _is_settable(variable: Variable) -> bool:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import itertools
 import math
 import operator
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from fmpy.model_description import ModelVariable
 
 Value = float | int | bool | str
-"""A value of a variable: float for Real, int for Integer and Enumeration, bool for Boolean, str for String."""
+"""A value of a variable: float for Real, int for Integer and Enumeration, bool for Boolean, str for String, and for
+Binary a str of two hexadecimal digits a byte, as in a model description."""
 
 OPAQUE = ("String", "Binary")
 """Types that are handed on as they are; they are no columns of a result."""
@@ -22,6 +24,13 @@ class BinaryKind(NamedTuple):
 
     media_type: str
     most: int | None
+
+
+class Opaque(NamedTuple):
+    """What fmpy does not read of a String or Binary: its start values, and what kind of Binary it is."""
+
+    starts: tuple[str, ...]
+    binary: BinaryKind | None
 
 
 @dataclass(frozen=True)
@@ -76,10 +85,7 @@ def type_of(fmi_type: str) -> str | None:
 
 def left_out(described: ModelVariable) -> str | None:
     """Return what a variable is that can neither be exchanged nor set ("a Clock"); None for the others."""
-    kind = type_of(described.type)
-    if kind == "String" and described.shape:
-        return "an array of String"
-    return f"a {described.type}" if kind is None else None
+    return f"a {described.type}" if type_of(described.type) is None else None
 
 
 def names_of(described: ModelVariable) -> list[str]:
@@ -90,32 +96,39 @@ def names_of(described: ModelVariable) -> list[str]:
     return [f"{described.name}[{','.join(map(str, index))}]" for index in indices]
 
 
-def binaries_of(description: bytes) -> dict[str, BinaryKind]:
-    """Return the Binary variables of a modelDescription.xml by name; fmpy does not read what they hold."""
-    if b"<Binary" not in description:
+def opaque_of(description: bytes) -> dict[str, Opaque]:
+    """Return the Binary variables and the texts with <Start> of a modelDescription.xml (FMI 3.0) by name."""
+    if b"<Binary" not in description and b"<Start" not in description:
         return {}
     import xml.etree.ElementTree as ET  # few FMUs need it, and it takes time to import
 
-    found = ET.fromstring(description).iterfind("ModelVariables/Binary")
+    variables = ET.fromstring(description).find("ModelVariables")
     return {
-        element.get("name", ""): BinaryKind(
-            element.get("mimeType", "application/octet-stream"),
-            int(most) if (most := element.get("maxSize")) is not None else None,
+        element.get("name", ""): Opaque(
+            tuple(start.get("value", "") for start in element.iterfind("Start")),
+            _binary_kind(element.attrib) if element.tag == "Binary" else None,
         )
-        for element in found
+        for element in (() if variables is None else variables)
+        if element.tag in OPAQUE
     }
 
 
-def variables_of(described: ModelVariable, binaries: dict[str, BinaryKind]) -> list[Variable]:
+def _binary_kind(attributes: Mapping[str, str]) -> BinaryKind:
+    most = attributes.get("maxSize")
+    return BinaryKind(attributes.get("mimeType", "application/octet-stream"), None if most is None else int(most))
+
+
+def variables_of(described: ModelVariable, opaque: dict[str, Opaque]) -> list[Variable]:
     """Return the variable that fmpy read, or the elements of an array; none for what is left out."""
     kind = type_of(described.type)
-    if kind is None or left_out(described):
+    if kind is None:
         return []
     declared = described.declaredType
     names = names_of(described)
+    more = opaque.get(described.name)
     starts: list[str | None] = [described.start]
-    if kind == "Binary":
-        starts = [None]
+    if more is not None:
+        starts = [*more.starts] or [None]
     elif described.shape and described.start is not None:
         starts = [*described.start.split()]
     if len(starts) == 1:
@@ -134,7 +147,7 @@ def variables_of(described: ModelVariable, binaries: dict[str, BinaryKind]) -> l
             array=described.name if described.shape else None,
             minimum=_bound_of(kind, described.min, declared.min if declared else None),
             maximum=_bound_of(kind, described.max, declared.max if declared else None),
-            binary=binaries.get(described.name),
+            binary=more.binary if more else None,
         )
         for name, start in zip(names, starts, strict=True)
     ]
@@ -147,7 +160,7 @@ def _start_of(kind: str, text: str | None) -> Value | None:
         return float(text)
     if kind == "Boolean":
         return text in ("true", "1")
-    return text if kind == "String" else int(text)
+    return text if kind in OPAQUE else int(text)
 
 
 def _bound_of(kind: str, own: str | None, declared: str | None) -> float | None:

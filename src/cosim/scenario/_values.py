@@ -32,10 +32,8 @@ def check_range(value: float, name: str, variable: Variable) -> None:
 
 def _parameter_value(text: str, name: str, variable: Variable) -> float | int | bool | str:
     match variable.type:
-        case "String":
+        case "String" | "Binary":
             return text
-        case "Binary":
-            raise InputError(f"'{name}' is a Binary; only numbers and texts can be set")
         case "Boolean":
             if text.lower() not in _BOOLEANS:
                 raise InputError(f"'{name}' is a Boolean, '{text}' is not; write 0 or 1")
