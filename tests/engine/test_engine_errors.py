@@ -83,8 +83,8 @@ def test_files_that_are_no_fmu(tmp_path: Path) -> None:
 
 def test_fmus_that_cannot_be_used_here(fmu_path: Callable[[str, int], Path], tmp_path: Path) -> None:
     good, path = fmu_path("integrator", 3), tmp_path / "x.fmu"
-    repack(good, path, replacing("CoSimulation", "ModelExchange"))
-    assert read_error(path) == "x.fmu: has no Co-Simulation interface; export it for Co-Simulation"
+    repack(good, path, replacing("CoSimulation", "ScheduledExecution"))
+    assert read_error(path) == ("x.fmu: has no Co-Simulation or Model Exchange interface; export it for Co-Simulation")
     repack(good, path, lambda name, content: (name.replace(fmpy.platform_tuple, "riscv64-linux"), content))
     library = f"binaries/{fmpy.platform_tuple}/integrator{fmpy.sharedLibraryExtension}"
     assert read_error(path) == (

@@ -19,7 +19,7 @@ Get = Callable[..., Fmu]
 
 
 @pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("model", ["sampler", "integrator", "faulty", "mirror", "label"])
+@pytest.mark.parametrize("model", ["sampler", "integrator", "faulty", "mirror", "label", "ball", "relay"])
 def test_the_test_fmus_are_valid(fmu_path: Callable[[str, int], Path], model: str, version: int) -> None:
     assert validate_fmu(str(fmu_path(model, version))) == []
 

@@ -40,12 +40,17 @@ class Described:
 
 @dataclass(frozen=True)
 class Model:
-    """A test model: the C file, its variables, whether it has an event mode, and the literals of its enumeration."""
+    """A test model: the C file, its variables, whether it has an event mode, and the literals of its enumeration.
+
+    ``states`` are (state, derivative) if it is for Model Exchange, with as many event ``indicators``.
+    """
 
     source: str
     variables: tuple[Described, ...]
     has_event_mode: bool = False
     literals: tuple[str, ...] = ()
+    states: tuple[tuple[str, str], ...] | None = None
+    indicators: int = 0
 
 
 SAMPLER = Model(
@@ -159,19 +164,58 @@ FOREIGN = Model(
         Described("y", 5, "output", "discrete", unit="m/s", depends=None),
     ),
 )
-MODELS = {model.source: model for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, WORDS, PARCEL, FOREIGN)}
+BALL = Model(
+    "ball",
+    (
+        Described("h", 1, "output", unit="m"),
+        Described("v", 2, "output", unit="m/s"),
+        Described("der(h)", 3, "local", unit="m/s"),
+        Described("der(v)", 4, "local", unit="m/s2"),
+        Described("u", 5, "input", start="0", unit="m/s2"),
+        Described("g", 6, "parameter", "fixed", start="9.81", unit="m/s2"),
+        Described("e", 7, "parameter", "fixed", start="0.7"),
+        Described("T", 8, "parameter", "fixed", start="0", unit="s"),
+        Described("bounces", 9, "output", "discrete", "Int32"),
+        Described("sampled", 10, "output", "discrete", unit="m"),
+        Described("samples", 11, "output", "discrete", "Int32"),
+        Described("steps", 12, "local", "discrete", "Int32"),
+        Described("high", 13, "output", "discrete", "Boolean"),
+        Described("t_end", 14, "parameter", "fixed", start="0", unit="s"),
+        Described("t_wrong", 15, "parameter", "fixed", start="0", unit="s"),
+        Described("again", 16, "parameter", "fixed", "Boolean", start="false"),
+    ),
+    states=(("h", "der(h)"), ("v", "der(v)")),
+    indicators=1,
+)
+RELAY = Model(
+    "relay",
+    (
+        Described("u", 1, "input", start="0", unit="m"),
+        Described("K", 2, "parameter", "fixed", start="1"),
+        Described("T", 3, "parameter", "fixed", start="0.02", unit="s"),
+        Described("t_cross", 4, "parameter", "fixed", start="1e9", unit="s"),
+        Described("y", 5, "output", "discrete", unit="m/s", depends=("u",)),
+        Described("samples", 6, "output", "discrete", "Int32"),
+        Described("late", 7, "output", "discrete", "Boolean"),
+    ),
+    states=(),
+    indicators=1,
+)
+MODELS = {
+    model.source: model
+    for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, WORDS, PARCEL, FOREIGN, BALL, RELAY)
+}
 
 
 def build(model: Model, fmi: int, folder: Path, *, variable_steps: bool = True) -> Path:
     """Compile and pack a model for FMI 2 or 3; return the path of the FMU. It may claim to take equal steps only."""
     name = model.source
     library = folder / f"{name}{fmi}{fmpy.sharedLibraryExtension}"
-    cc = shutil.which("cc") or shutil.which("gcc")
-    compiler = [cc] if cc else [sys.executable, "-m", "ziglang", "cc"]
     sources = [str(HERE / f"{name}.c"), str(HERE / "stubs.c"), "-lm"]
     binary = ["-DBINARY"] if any(variable.type == "Binary" for variable in model.variables) else []
-    defined = [*binary, f"-DFMI={fmi}", f"-I{FMI_HEADERS}", f"-I{HERE}"]
-    subprocess.run([*compiler, *_CFLAGS, *defined, *sources, "-o", str(library)], check=True)
+    exchange = ["-DEXCHANGE"] if model.states is not None else []
+    defined = [*binary, *exchange, f"-DFMI={fmi}", f"-I{FMI_HEADERS}", f"-I{HERE}"]
+    subprocess.run([*_compiler(), *_CFLAGS, *defined, *sources, "-o", str(library)], check=True)
     platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
     path = folder / f"{name}{fmi}.fmu"
     with zipfile.ZipFile(path, "w") as archive:
@@ -180,6 +224,23 @@ def build(model: Model, fmi: int, folder: Path, *, variable_steps: bool = True) 
             text = text.replace('canHandleVariableCommunicationStepSize="true"', "")
         archive.writestr("modelDescription.xml", text)
         archive.write(library, f"binaries/{platform}/{name}{fmpy.sharedLibraryExtension}")
+    return path
+
+
+def _compiler() -> list[str]:
+    cc = shutil.which("cc") or shutil.which("gcc")
+    return [cc] if cc else [sys.executable, "-m", "ziglang", "cc"]
+
+
+def build_first(folder: Path) -> Path:
+    """Compile and pack the FMI 1.0 FMU; return its path."""
+    library = folder / f"first{fmpy.sharedLibraryExtension}"
+    command = [*_compiler(), *_CFLAGS, f"-I{FMI_HEADERS}", "-include", "stddef.h", str(HERE / "first.c")]
+    subprocess.run([*command, "-o", str(library)], check=True)
+    path = folder / "first.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.write(HERE / "first.xml", "modelDescription.xml")
+        archive.write(library, f"binaries/{fmpy.platform}/first{fmpy.sharedLibraryExtension}")
     return path
 
 
@@ -207,6 +268,15 @@ def _items(model: Model) -> str:
     return "".join(f'<Item name="{name}" value="{i}"/>' for i, name in enumerate(model.literals, 1))
 
 
+def _interface(model: Model, fmi: int) -> str:
+    if model.states is not None:
+        step = "" if fmi == 2 else ' needsCompletedIntegratorStep="true"'
+        return f'<ModelExchange modelIdentifier="{model.source}"{step}/>'
+    steps = 'canHandleVariableCommunicationStepSize="true"'
+    event_mode = ' hasEventMode="true"' if model.has_event_mode and fmi == 3 else ""
+    return f'<CoSimulation modelIdentifier="{model.source}" {steps}{event_mode}/>'
+
+
 def _description3(model: Model) -> str:
     types = f'<EnumerationType name="Choice">{_items(model)}</EnumerationType>'
     lines = []
@@ -226,11 +296,15 @@ def _description3(model: Model) -> str:
             known = "" if v.depends is None else f' dependencies="{" ".join(references[n] for n in v.depends)}"'
             outputs.append(f'<Output valueReference="{v.reference}"{known}/>')
             unknowns.append(f'<InitialUnknown valueReference="{v.reference}"{known}/>')
-    event_mode = "true" if model.has_event_mode else "false"
+    for state, derivative in model.states or ():
+        known = f'valueReference="{references[derivative]}" dependencies=""'
+        outputs.append(f"<ContinuousStateDerivative {known}/>")
+        unknowns.append(f"<InitialUnknown {known}/>")
+        mark = f'valueReference="{references[derivative]}" '
+        lines = [line.replace(mark, f'{mark}derivative="{references[state]}" ') for line in lines]
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="{model.source}" instantiationToken="test" generationTool="cosim tests">
-  <CoSimulation modelIdentifier="{model.source}" canHandleVariableCommunicationStepSize="true"
-    hasEventMode="{event_mode}"/>
+  {_interface(model, 3)}
   <UnitDefinitions>{_units(model)}</UnitDefinitions>
   {f"<TypeDefinitions>{types}</TypeDefinitions>" if model.literals else ""}
   <ModelVariables><Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
@@ -254,13 +328,21 @@ def _description2(model: Model) -> str:
         if v.causality == "output":
             known = "" if v.depends is None else f' dependencies="{" ".join(positions[n] for n in v.depends)}"'
             unknowns.append(f'<Unknown index="{positions[v.name]}"{known}/>')
+    states = model.states or ()
+    derivatives = [f'<Unknown index="{positions[derivative]}" dependencies=""/>' for _, derivative in states]
+    for state, derivative in states:
+        index = int(positions[derivative]) - 1
+        lines[index] = lines[index].replace("<Real", f'<Real derivative="{positions[state]}"')
+    listed = f"<Derivatives>{''.join(derivatives)}</Derivatives>" if derivatives else ""
     return f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="{model.source}" guid="test" generationTool="cosim tests">
-  <CoSimulation modelIdentifier="{model.source}" canHandleVariableCommunicationStepSize="true"/>
+<fmiModelDescription fmiVersion="2.0" modelName="{model.source}" guid="test" generationTool="cosim tests"
+  {f'numberOfEventIndicators="{model.indicators}"' if model.states is not None else ""}>
+  {_interface(model, 2)}
   <UnitDefinitions>{_units(model)}</UnitDefinitions>
   {f"<TypeDefinitions>{types}</TypeDefinitions>" if model.literals else ""}
   <ModelVariables>{"".join(lines)}</ModelVariables>
   <ModelStructure>
-    <Outputs>{"".join(unknowns)}</Outputs><InitialUnknowns>{"".join(unknowns)}</InitialUnknowns>
+    <Outputs>{"".join(unknowns)}</Outputs>{listed}
+    <InitialUnknowns>{"".join(unknowns + derivatives)}</InitialUnknowns>
   </ModelStructure>
 </fmiModelDescription>"""

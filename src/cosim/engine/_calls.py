@@ -20,6 +20,9 @@ CALLS = (
     *("DoStep", "EnterEventMode", "EnterStepMode", "UpdateDiscreteStates"),
     *(f"{verb}{kind}" for verb in ("Get", "Set") for kind in _TYPES),
     *("SetupExperiment", "EnterInitializationMode", "ExitInitializationMode"),
+    *("SetTime", "SetContinuousStates", "GetContinuousStates", "GetNominalsOfContinuousStates", "GetDerivatives"),
+    *("GetContinuousStateDerivatives", "GetEventIndicators", "EnterContinuousTimeMode", "CompletedIntegratorStep"),
+    *("NewDiscreteStates", "InitializeSlave"),
     *("Instantiate", "SetDebugLogging", "GetBooleanStatus", "Terminate", "FreeInstance"),
     *(LOADING, UNLOADING),
 )

@@ -113,8 +113,8 @@ def _statistics(plan: Plan, record: Record, started: float, broken: Instance | N
 
 
 def _counters(instance: Instance) -> dict[str, int]:
-    """Return the solver counters that an FMU publishes and, after a failure elsewhere, is still able to give."""
+    """Return the counters of the engine's solver, or of the FMU's if it publishes them and is still able to."""
     published = [name for name in _COUNTERS if f"solver.{name}" in instance.fmu.variables]
     with suppress(CallError):
-        return {name: int(instance.get_value(f"solver.{name}")) for name in published}
+        return instance.counts or {name: int(instance.get_value(f"solver.{name}")) for name in published}
     return {}

@@ -11,14 +11,16 @@ import warnings
 import weakref
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Literal, Self, TypeAlias
 
 import fmpy
-from fmpy.fmi2 import FMU2Slave
-from fmpy.fmi3 import FMU3Slave
-from fmpy.model_description import ModelDescription
+from fmpy.fmi1 import FMU1Slave
+from fmpy.fmi2 import FMU2Model, FMU2Slave
+from fmpy.fmi3 import FMU3Model, FMU3Slave
+from fmpy.model_description import InterfaceType, ModelDescription
 
 from cosim.archive import Archive
+from cosim.engine._fmi1 import facts_of
 from cosim.engine._variable import Variable, left_out, names_of, opaque_of, variables_of
 from cosim.errors import FmuError, FmuWarning
 from cosim.foreign import RUN_CHECK, read_description
@@ -38,16 +40,29 @@ _CAPABILITIES = (
     "hasEventMode",
 )
 
+Interface = Literal["CoSimulation", "ModelExchange"]
+Library: TypeAlias = FMU1Slave | FMU2Slave | FMU3Slave | FMU2Model | FMU3Model
+"""fmpy's objects, each with the functions of its version and interface."""
+
+_KINDS = {
+    ("1.0", "CoSimulation"): FMU1Slave,
+    ("2.0", "CoSimulation"): FMU2Slave,
+    ("3.0", "CoSimulation"): FMU3Slave,
+    ("2.0", "ModelExchange"): FMU2Model,
+    ("3.0", "ModelExchange"): FMU3Model,
+}
+
 # fmpy changes the working folder of the process while it loads a library.
 _loading = threading.Lock()
 
 
 class Fmu:
-    """A Co-Simulation FMU (FMI 2.0 or 3.0), unpacked once into a temporary folder.
+    """An FMU for Co-Simulation (FMI 1.0, 2.0 or 3.0) or Model Exchange (2.0 or 3.0), unpacked once into a folder.
 
-    ``path`` is the file, ``name`` the model's name, ``fmi_version`` "2.0" or "3.0", ``sha256`` the file's hash,
+    ``path`` is the file, ``name`` the model's name, ``fmi_version`` "1.0", "2.0" or "3.0", ``sha256`` the file's hash,
+    ``interface`` the one that is used, ``model_identifier`` the name of its binary,
     ``variables`` all scalar variables and elements of arrays by name, ``left_out`` what the others are ("a Clock"),
-    ``capabilities`` the attributes of the CoSimulation element and ``platforms``, the folders with binaries.
+    ``capabilities`` the attributes of the interface's element and ``platforms``, the folders with binaries.
 
     ``fmi_types`` holds each variable's type in the FMU ("Float64", "Int32", ...), ``dependencies`` the inputs that each
     output depends on directly, None where the model description does not say.
@@ -63,6 +78,13 @@ class Fmu:
     sha256: str
     generation_tool: str | None
     has_event_mode: bool
+    """Always for Model Exchange."""
+    interface: Interface
+    model_identifier: str
+    needs_completed_step: bool
+    """Model Exchange: it is to be told of each step of the solver."""
+    n_states_and_indicators: tuple[int, int]
+    """Model Exchange in FMI 2.0."""
     capabilities: dict[str, object]
     fmi_types: dict[str, str]
     left_out: dict[str, str]
@@ -71,16 +93,33 @@ class Fmu:
     log_categories: tuple[str, ...]
 
     def __init__(
-        self, path: Path, description: ModelDescription, xml: bytes, sha256: str, platforms: tuple[str, ...]
+        self,
+        path: Path,
+        description: ModelDescription,
+        xml: bytes,
+        sha256: str,
+        platforms: tuple[str, ...],
+        interface: Interface,
     ) -> None:
         """Take over what ``read`` has found; users call ``read``."""
         self.path = path
         self.name = description.modelName
-        self.fmi_version = "2.0" if description.fmiMajorVersion == 2 else "3.0"
+        self.fmi_version = f"{description.fmiMajorVersion}.0"
+        element = _element(description, interface)
+        self.interface = interface
+        self.model_identifier = element.modelIdentifier
         self.sha256 = sha256
         self.generation_tool = description.generationTool
-        self.has_event_mode = bool(description.coSimulation.hasEventMode)
-        self.capabilities = {key: getattr(description.coSimulation, key) for key in _CAPABILITIES}
+        exchange = interface == "ModelExchange"
+        self.has_event_mode = exchange or bool(element.hasEventMode)
+        self.needs_completed_step = exchange and bool(element.needsCompletedIntegratorStep)
+        self.n_states_and_indicators = (len(description.derivatives), description.numberOfEventIndicators or 0)
+        self.capabilities = {key: getattr(element, key, None) for key in _CAPABILITIES}
+        facts = facts_of(xml) if self.fmi_version == "1.0" else None
+        if facts:
+            self.capabilities |= facts.capabilities
+        if exchange:
+            self.capabilities["canHandleVariableCommunicationStepSize"] = True
         self.capabilities["platforms"] = platforms
         self.variables = {}
         self.fmi_types = {}
@@ -88,8 +127,11 @@ class Fmu:
         opaque = opaque_of(xml)
         for described in description.modelVariables:
             what = left_out(described)
+            if facts and described.name in facts.negated:
+                what = "the negative of another variable"
             if what is not None:
                 self.left_out[described.name] = what
+                continue
             for variable in variables_of(described, opaque):
                 self.variables[variable.name] = variable
                 self.fmi_types[variable.name] = described.type
@@ -103,16 +145,17 @@ class Fmu:
         self.has_continuous_states = bool(description.derivatives)
         self.log_categories = tuple(category.name for category in description.logCategories)
         self._description = description
-        self._loaded: list[FMU2Slave | FMU3Slave] = []
+        self._loaded: list[Library] = []
         self._folder = tempfile.mkdtemp(prefix="cosim-")
         self._finalizer = weakref.finalize(self, _release, self._folder, self._loaded)
 
     @classmethod
-    def read(cls, path: Path | str) -> Fmu:
+    def read(cls, path: Path | str, interface: Interface | None = None) -> Fmu:
         """Read the description of an FMU and unpack it; warns of what is wrong with it without harm (FmuWarning).
 
-        Raises FmuError if the file is missing, is no FMU, is damaged or dangerous to unpack, has no Co-Simulation
-        interface or no binary for this computer.
+        ``interface`` chooses if there are both; by default Co-Simulation is taken where there is one. Raises FmuError
+        if the file is missing, is no FMU, is damaged or dangerous to unpack, has no interface that can be used or no
+        binary for this computer.
         """
         path = Path(path)
         archive = Archive.open(path)
@@ -120,12 +163,16 @@ class Fmu:
         for what in amiss:
             warnings.warn(f"{path}: {what}", FmuWarning, stacklevel=2)
         names = archive.sizes
-        if description.fmiMajorVersion == 1:
-            raise FmuError("is an FMI 1.0 FMU; export it for FMI 2.0 or 3.0", file=path)
-        if description.coSimulation is None:
-            raise FmuError("has no Co-Simulation interface; export it for Co-Simulation", file=path)
+        interface = interface or ("CoSimulation" if description.coSimulation is not None else "ModelExchange")
+        if _element(description, interface) is None:
+            missing = "Co-Simulation" if interface == "CoSimulation" else "Co-Simulation or Model Exchange"
+            raise FmuError(f"has no {missing} interface; export it for Co-Simulation", file=path)
+        if description.fmiMajorVersion == 1 and interface == "ModelExchange":
+            raise FmuError(
+                "is for Model Exchange in FMI 1.0; export it for Co-Simulation, or for FMI 2.0 or 3.0", file=path
+            )
         platforms = tuple(sorted({n.split("/")[1] for n in names if n.startswith("binaries/") and n.count("/") > 1}))
-        library = _library_path(description)
+        library = _library_path(description, interface)
         if library not in names:
             raise FmuError(
                 f"has no binary for this computer ({library}); it has {', '.join(platforms) or 'none'}; "
@@ -133,7 +180,7 @@ class Fmu:
                 file=path,
             )
         try:
-            fmu = cls(path, description, xml, archive.sha256, platforms)
+            fmu = cls(path, description, xml, archive.sha256, platforms, interface)
         except (ValueError, OverflowError, TypeError) as error:
             raise FmuError(f"its variables cannot be read: {error}; {RUN_CHECK}", file=path) from error
         wanted = (library.rsplit("/", 1)[0] + "/", "resources/", "modelDescription.xml")
@@ -144,8 +191,8 @@ class Fmu:
             raise
         return fmu
 
-    def slave(self) -> FMU2Slave | FMU3Slave:
-        """Return fmpy's FMU2Slave or FMU3Slave, its library loaded (once for all instances).
+    def slave(self) -> Library:
+        """Return fmpy's object, its library loaded (once for all instances).
 
         Raises FmuError if the library cannot be loaded or lacks a function.
         """
@@ -156,13 +203,13 @@ class Fmu:
                 self._loaded.append(self._load())
         return self._loaded[0]
 
-    def _load(self) -> FMU2Slave | FMU3Slave:
-        kind = FMU2Slave if self.fmi_version == "2.0" else FMU3Slave
+    def _load(self) -> Library:
+        kind = _KINDS[self.fmi_version, self.interface]
         working_folder = Path.cwd()
         try:
             return kind(
                 guid=self._description.guid,
-                modelIdentifier=self._description.coSimulation.modelIdentifier,
+                modelIdentifier=self.model_identifier,
                 unzipDirectory=self._folder,
             )
         except AttributeError as error:
@@ -187,12 +234,16 @@ class Fmu:
         self.close()
 
 
-def _release(folder: str, loaded: list[FMU2Slave | FMU3Slave]) -> None:
+def _release(folder: str, loaded: list[Library]) -> None:
     while loaded:
         loaded.pop().freeLibrary()
     shutil.rmtree(folder, ignore_errors=True)
 
 
-def _library_path(description: ModelDescription) -> str:
-    folder = fmpy.platform if description.fmiMajorVersion == 2 else fmpy.platform_tuple
-    return f"binaries/{folder}/{description.coSimulation.modelIdentifier}{fmpy.sharedLibraryExtension}"
+def _element(description: ModelDescription, interface: Interface) -> InterfaceType:
+    return description.coSimulation if interface == "CoSimulation" else description.modelExchange
+
+
+def _library_path(description: ModelDescription, interface: Interface) -> str:
+    folder = fmpy.platform_tuple if description.fmiMajorVersion == 3 else fmpy.platform
+    return f"binaries/{folder}/{_element(description, interface).modelIdentifier}{fmpy.sharedLibraryExtension}"

@@ -18,12 +18,14 @@ def initialize(plan: Plan, tolerance: float, stop: float) -> None:
     """
     participants = [*plan.continuous, *plan.discrete]
     for participant in participants:
-        continuous = participant.role is Role.CONTINUOUS
-        participant.instance.enter_initialization(tolerance, stop if continuous else None)
+        if not participant.instance.initializes_at_once:
+            _enter(participant, tolerance, stop)
     for passes in range(_MOST_PASSES):
         before = list(plan.values)
         for participant in participants:
             participant.write(force=passes == 0)
+            if passes == 0 and participant.instance.initializes_at_once:
+                _enter(participant, tolerance, stop)
             participant.read()
         check_numbers(plan)
         if _agree(before, plan.values.tolist()):
@@ -38,6 +40,11 @@ def initialize(plan: Plan, tolerance: float, stop: float) -> None:
         participant.instance.exit_initialization()
     for participant in plan.continuous:
         participant.read()
+
+
+def _enter(participant: Participant, tolerance: float, stop: float) -> None:
+    continuous = participant.role is Role.CONTINUOUS
+    participant.instance.enter_initialization(tolerance, stop if continuous else None)
 
 
 def _agree(before: list[float], after: list[float]) -> bool:

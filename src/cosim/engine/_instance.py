@@ -60,11 +60,16 @@ class Instance(ABC):
 
     ``do_step`` steps from ``t`` over ``h`` [s] and leaves ``flags``; ``update`` leaves ``update_flags`` and
     ``next_event`` [s]. All are bound once, since a call through fmpy costs ten times as much as the bare one.
+    ``counts`` is what the solver that the engine gives a Model Exchange FMU has done.
     """
 
     type_codes: ClassVar[dict[str, str]]
     enumeration_type: ClassVar[str]
     tells_size: ClassVar[bool]
+    plain_step: ClassVar[bool] = True
+    """The function that steps takes no flags, as in FMI 1.0 and 2.0."""
+    initializes_at_once: ClassVar[bool] = False
+    """There is no Initialization Mode: inputs are set before the call that initialises, as in FMI 1.0."""
     do_step: Call
     enter_event: Call
     enter_step: Call
@@ -81,6 +86,7 @@ class Instance(ABC):
         self.flags = c_uint32()
         self.update_flags = c_uint64()
         self.next_event = c_double()
+        self.counts: dict[str, int] = {}
         self._fatal = False
         self.site.enter(LOADING)
         self._slave = copy.copy(fmu.slave())
@@ -285,6 +291,7 @@ class Fmi3Instance(Instance):
 
     enumeration_type = "Int64"
     tells_size = True
+    plain_step = False
     type_codes: ClassVar[dict[str, str]] = {
         "Float64": "d",
         "Float32": "f",
@@ -338,5 +345,12 @@ def _has_own_reference(variable: Variable, last: Variable | None) -> bool:
 
 def instantiate(name: str, fmu: Fmu, event_mode: bool, site: Site | None = None) -> Instance:
     """Return a new instance of an FMU, whose calls are noted at ``site``; raises FmuError if the FMU refuses."""
-    kind = Fmi2Instance if fmu.fmi_version == "2.0" else Fmi3Instance
-    return kind(name, fmu, event_mode, site)
+    if fmu.interface == "ModelExchange":
+        from cosim.engine._exchange import Fmi2Exchange, Fmi3Exchange
+
+        return (Fmi2Exchange if fmu.fmi_version == "2.0" else Fmi3Exchange)(name, fmu, event_mode, site)
+    if fmu.fmi_version == "1.0":
+        from cosim.engine._slave1 import Fmi1Instance
+
+        return Fmi1Instance(name, fmu, event_mode, site)
+    return (Fmi2Instance if fmu.fmi_version == "2.0" else Fmi3Instance)(name, fmu, event_mode, site)

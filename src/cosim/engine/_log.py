@@ -10,7 +10,13 @@ from ctypes import byref
 from weakref import WeakValueDictionary
 
 from fmpy import calloc, free
-from fmpy.fmi1 import printLogMessage
+from fmpy.fmi1 import (
+    fmi1CallbackAllocateMemoryTYPE,
+    fmi1CallbackFreeMemoryTYPE,
+    fmi1CallbackFunctions,
+    fmi1CallbackLoggerTYPE,
+    printLogMessage,
+)
 from fmpy.fmi2 import (
     fmi2CallbackAllocateMemoryTYPE,
     fmi2CallbackFreeMemoryTYPE,
@@ -45,6 +51,10 @@ class Log:
                 self._messages.append(text)
                 if self._hand_on is not None:
                     self._hand_on(str(self))
+
+    def belongs_to(self, component: int) -> None:
+        """Take the messages of an FMI 1.0 instance, which are known by its handle."""
+        _logs[component] = self
 
     @property
     def assertion(self) -> str | None:
@@ -85,6 +95,19 @@ def fmi2_callbacks(log: Log) -> fmi2CallbackFunctions:
     return callbacks
 
 
+def fmi1_callbacks() -> fmi1CallbackFunctions:
+    """Return callback functions for FMI 1.0; what an instance says before it has a handle is printed."""
+    callbacks = fmi1CallbackFunctions()
+    callbacks.logger = _logger1
+    callbacks.allocateMemory = _allocate1
+    callbacks.freeMemory = _free1
+    addLoggerProxy(byref(callbacks))
+    return callbacks
+
+
+_logger1 = fmi1CallbackLoggerTYPE(_dispatch)
+_allocate1 = fmi1CallbackAllocateMemoryTYPE(calloc)
+_free1 = fmi1CallbackFreeMemoryTYPE(free)
 _logger = fmi2CallbackLoggerTYPE(_dispatch)
 _allocate = fmi2CallbackAllocateMemoryTYPE(calloc)
 _free = fmi2CallbackFreeMemoryTYPE(free)

@@ -60,7 +60,10 @@ class Component(Structure):
         ("n_outputs", 2 * c_int64),
         *((name, c_double) for name in ("period", "due", "time")),
         *((name, c_int64) for name in ("ticks", "steps", "events")),
-        *((name, c_int32) for name in ("fmi", "role", "number", "in_event_mode", "event_needed", "stale")),
+        *(
+            (name, c_int32)
+            for name in ("fmi", "role", "number", "in_event_mode", "event_needed", "stale", "plain_step")
+        ),
     ]
 
 

@@ -93,6 +93,7 @@ class Tables:
             role=_ROLES[participant.role],
             number=instance.site.number,
             in_event_mode=participant.in_event_mode,
+            plain_step=instance.plain_step,
             n_inputs=len(participant.input_groups),
             n_outputs=_counts(participant.output_groups),
             n_triggers=len(participant.triggers),

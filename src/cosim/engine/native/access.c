@@ -19,7 +19,7 @@ OFTEN bool call(Engine *engine, const Component *component, const Group *group, 
     enter(engine, component, group->function);
     const ValueReference *const references = group->references;
     const Status status =
-        component->fmi == 2 ? ((Access2)group->access)(instance, references, n, group->memory)
+        component->fmi < 3 ? ((Access2)group->access)(instance, references, n, group->memory)
         : group->type == BINARY
             ? ((AccessBinary)group->access)(instance, references, n, group->sizes, group->memory, n_values)
             : ((Access3)group->access)(instance, references, n, group->memory, n_values);

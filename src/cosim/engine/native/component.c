@@ -20,7 +20,7 @@ OFTEN bool check(Engine *engine, const Component *component, CalledFunction func
 OFTEN bool do_step(Engine *engine, Component *component, double t, double h) {
     component->steps++;
     enter(engine, component, DO_STEP);
-    if (component->fmi == 2) {
+    if (component->plain_step) {
         return check(engine, component, DO_STEP, ((DoStep2)component->do_step)(component->instance, t, h, 1));
     }
     bool event = false, terminate = false, early = false;

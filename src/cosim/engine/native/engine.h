@@ -88,12 +88,13 @@ typedef struct {
     int64_t ticks;    /* samples taken */
     int64_t steps;    /* doStep calls */
     int64_t events;   /* instants with an event */
-    int32_t fmi;      /* 2 or 3 */
+    int32_t fmi;      /* 1, 2 or 3 */
     int32_t role;
     int32_t number;   /* its place in the system */
     int32_t in_event_mode;
     int32_t event_needed; /* doStep has said so */
     int32_t stale;    /* outputs that are only recorded have not been read since it was computed */
+    int32_t plain_step; /* do_step takes no flags, as in FMI 1.0 and 2.0 */
 } Component;
 
 /* Signal `slot` takes `value` at `time`; slot -1: nothing changes, but a linear channel has a corner there. */
