@@ -40,6 +40,9 @@ def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         canGetAndSetFMUState="true",
         canSerializeFMUState="true",
         hasEventMode="true",
+        maxOutputDerivativeOrder="1",
+        providesDirectionalDerivatives="true",
+        providesAdjointDerivatives="true",
     )
     parts.add_units(root, layout)
     types = parts.enumerations(layout)

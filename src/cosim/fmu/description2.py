@@ -39,6 +39,8 @@ def describe2(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         canNotUseMemoryManagementFunctions="true",
         canGetAndSetFMUstate="true",
         canSerializeFMUstate="true",
+        maxOutputDerivativeOrder="1",
+        providesDirectionalDerivative="true",
     )
     parts.add_units(root, layout)
     types = parts.enumerations(layout)

@@ -23,21 +23,8 @@ static fmi2Status unsupported_if_any(fmi2Component c, const char *function, size
     return c && n == 0 ? fmi2OK : unsupported(c, function);
 }
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
-                                        const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
-                                        fmi2Real dvUnknown[])
-{
-    return unsupported(c, __func__);
-}
-
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[])
-{
-    return unsupported_if_any(c, __func__, nvr);
-}
-
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                        const fmi2Integer order[], fmi2Real value[])
 {
     return unsupported_if_any(c, __func__, nvr);
 }
