@@ -160,6 +160,30 @@ def export(
             screen.say(str(path))
 
 
+@app.command(name="export-ssp")
+def export_ssp_command(
+    file: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file.", show_default=False)],
+    *,
+    out: Annotated[
+        Path | None, typer.Option(metavar="X.ssp", help="The SSP to write; default: the scenario's name, here.")
+    ] = None,
+    ssp: Annotated[str, typer.Option("--ssp", metavar="1.0|2.0", help="Version of the SSP standard.")] = "1.0",
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="As for 'cosim run'. Repeatable.")
+    ] = None,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Write a scenario's system with its FMUs and parameters as an SSP, and X_ssp.csv, a scenario that runs it."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._export_ssp import export_ssp
+
+        written, beside = export_ssp(file, out, ssp, settings or [], screen)
+        screen.document({"ssp": str(written), "scenario": str(beside)})
+        screen.say(f"{written}\n{beside}")
+
+
 @app.command()
 def disturbance(
     *,
