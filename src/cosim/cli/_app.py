@@ -131,6 +131,28 @@ def info(
         show(fmu, screen)
 
 
+@app.command(name="check")
+def check_command(
+    fmu: Annotated[str, typer.Argument(metavar="X.fmu", help="Path of an FMU, or name of a built-in one.")],
+    *,
+    strict: Annotated[bool, typer.Option("--strict", help="Exit with 2 for warnings, too.")] = False,
+    run: Annotated[
+        bool, typer.Option("--run/--no-run", help="Also run the FMU's binary, in a process of its own.")
+    ] = True,
+    timeout: Annotated[
+        float, typer.Option(metavar="SECONDS", min=0.1, help="How long each rule that runs the FMU may take.")
+    ] = 30.0,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Judge an FMU: archive, schema, semantics, binaries, and how it runs; exit with 2 if it has errors."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._check import check_fmu
+
+        raise typer.Exit(check_fmu(fmu, screen, strict=strict, run=run, timeout=timeout))
+
+
 @app.command()
 def export(
     file: Annotated[Path, typer.Argument(metavar="FILE.mo", help="Modelica file.", show_default=False)],
