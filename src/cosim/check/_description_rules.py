@@ -195,8 +195,8 @@ def experiment(subject: Subject) -> Iterator[Found]:
 
 @DESCRIPTION_RULES("interface.unsupported", Severity.NOTE)
 def unsupported(subject: Subject) -> Iterator[Found]:
-    """FMI 1.0 and Scheduled Execution are described, but not run here."""
+    """FMI 1.0 and Scheduled Execution are looked at, but not run."""
     if subject.fmi == 1:
-        yield Found("is an FMI 1.0 FMU: it is not run here", NAME, "export it for FMI 2.0 or 3.0")
+        yield Found("is an FMI 1.0 FMU: the check does not run it", NAME, "")
     if "ScheduledExecution" in subject.interfaces:
-        yield Found("has a Scheduled Execution interface, which is not run here", NAME, "")
+        yield Found("has a Scheduled Execution interface, which is not run", NAME, "")

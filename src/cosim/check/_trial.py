@@ -65,7 +65,7 @@ def run_trials(subject: Subject, timeout: float) -> tuple[list[Finding], list[st
 def _reason_against(subject: Subject, interface: str) -> str | None:
     """Tell why an interface cannot be run here; None if it can."""
     if subject.fmi == 1 or interface == "ScheduledExecution":
-        return "not supported"
+        return "the check does not run it"
     description = subject.interfaces[interface]
     if description.needsExecutionTool:
         return f"it needs its tool, {subject.description.generationTool or 'whichever that is'}"
