@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -114,21 +115,22 @@ def _knowns(bench: Bench, instance: Instance) -> list[_Knowns]:
 def _points(bench: Bench) -> Iterator[tuple[Instance, list[ModelVariable], list[_Knowns]]]:
     """Yield an instance at its start, and where its knowns are moved by a seeded random bit."""
     unknowns = [*_derivatives_of(bench), *bench.reals("output")]
-    for point in range(_POINTS):
+    for point in range(_POINTS if unknowns else 0):
         numbers = random.Random(point)
         with bench.instance() as instance:
             instance.enter_initialization()
             if not bench.is_cs:
                 instance.exit_initialization()
+            groups = _knowns(bench, instance)
             try:
-                groups = _knowns(bench, instance)
                 for group in groups if point else ():
                     for k, value in enumerate(group.values):
                         group.values[k] = value + 0.1 * numbers.uniform(-1.0, 1.0) * group.scales[k]
                         group.put(k, group.values[k])
-                yield instance, unknowns, groups
+                instance.reals(unknowns)
             except FMICallException:
                 continue  # a point where the model has no solution says nothing
+            yield instance, unknowns, groups
 
 
 def _moved(instance: Instance, unknowns: list[ModelVariable], group: _Knowns, k: int, by: float) -> list[float]:
@@ -148,6 +150,17 @@ class _Slope:
 
 
 def _slope(instance: Instance, unknowns: list[ModelVariable], group: _Knowns, k: int) -> _Slope:
+    """Return the central differences by one known; all left out if the model has no solution on one side."""
+    try:
+        return _differences(instance, unknowns, group, k)
+    except FMICallException:
+        return _Slope([math.nan] * len(unknowns), [math.nan] * len(unknowns))
+    finally:
+        with suppress(FMICallException):
+            group.put(k, group.values[k])
+
+
+def _differences(instance: Instance, unknowns: list[ModelVariable], group: _Knowns, k: int) -> _Slope:
     h = _STEP * group.scales[k]
     here = instance.reals(unknowns)
     indicators = instance.indicators() if not instance.bench.is_cs else []
@@ -176,7 +189,7 @@ def directional(bench: Bench) -> Iterator[Found]:
         return
     told: set[tuple[str, str]] = set()
     for instance, unknowns, groups in _points(bench):
-        for group in groups if unknowns else ():
+        for group in groups:
             for k, known in enumerate(group.names):
                 slope = _slope(instance, unknowns, group, k)
                 given = instance.directional([v.valueReference for v in unknowns], group.references[k])
