@@ -201,9 +201,10 @@ RELAY = Model(
     states=(),
     indicators=1,
 )
+CRASH = Model("crash", (Described("y", 1, "output", unit="s"),))
 MODELS = {
     model.source: model
-    for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, WORDS, PARCEL, FOREIGN, BALL, RELAY)
+    for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, WORDS, PARCEL, FOREIGN, BALL, RELAY, CRASH)
 }
 
 

@@ -74,6 +74,22 @@ def run(
         ),
     ] = None,
     plots: Annotated[bool, typer.Option("--plots/--no-plots", help="Draw PNG plots.")] = True,
+    isolate: Annotated[
+        str,
+        typer.Option(
+            metavar="auto|always|never",
+            help="Simulate in a process of its own, which may crash or hang alone; auto: if an FMU was not built here.",
+        ),
+    ] = "auto",
+    call_timeout: Annotated[
+        str, typer.Option(metavar="TIME", help="How long one call of an FMU may take in such a process.")
+    ] = "60 s",
+    memory_limit: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SIZE", help="Memory that such a process may have, such as '4 GB'; default: the machine's."
+        ),
+    ] = None,
     timing: Annotated[
         bool,
         typer.Option("--explain-timing", help="Do not run; tell who is computed when, what travels, and each delay."),
@@ -84,11 +100,16 @@ def run(
     """Simulate scenarios one after another; write results.csv, results.parquet, summary.json and plots."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
+        from cosim.cli._isolation import isolation, prepare
+
+        isolated = isolation(isolate, call_timeout, memory_limit)
+        if not timing:
+            prepare(files, isolated, settings or [])
         from cosim.cli._run import explain_files, run_files
 
         if timing:
             raise typer.Exit(explain_files(files, settings or [], screen))
-        raise typer.Exit(run_files(files, out, settings or [], screen, plots=plots))
+        raise typer.Exit(run_files(files, out, settings or [], screen, isolated, plots=plots))
 
 
 @app.command()

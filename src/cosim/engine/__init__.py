@@ -3,6 +3,7 @@
 from cosim.engine._arguments import LEAST_TOLERANCE, Algorithm
 from cosim.engine._explain import explain_timing
 from cosim.engine._fmu import Fmu, Interface
+from cosim.engine._isolation import Isolate
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._role import Role, role_of
 from cosim.engine._simulate import simulate
@@ -17,6 +18,7 @@ __all__ = [
     "Connection",
     "Fmu",
     "Interface",
+    "Isolate",
     "PartialResultError",
     "Result",
     "Role",

@@ -71,7 +71,7 @@ def execute(job: Job, plan: Plan, record: Record, progress: Callable[[float], No
 
     Raises InputError (FmuError) if a component refuses its parameters.
     """
-    library = native_library() if record.loop == "native" else None
+    library = native_library(record.loop)
     started = time.perf_counter()
     try:
         for component in job.system.components:

@@ -219,6 +219,18 @@ class Fmu:
         finally:
             os.chdir(working_folder)
 
+    def __getstate__(self) -> dict[str, object]:
+        """Return what another process needs to use the same folder, which stays this one's to remove."""
+        if not self._finalizer.alive:
+            raise FmuError("is closed; read it again to use it", file=self.path)
+        return {key: value for key, value in vars(self).items() if key not in ("_loaded", "_finalizer")}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """Take that over; ``close`` unloads the library."""
+        vars(self).update(state)
+        self._loaded = []
+        self._finalizer = weakref.finalize(self, _release, None, self._loaded)
+
     def close(self) -> None:
         """Unload the library and remove the temporary folder; no simulation may be using it."""
         self._finalizer()
@@ -234,10 +246,11 @@ class Fmu:
         self.close()
 
 
-def _release(folder: str, loaded: list[Library]) -> None:
+def _release(folder: str | None, loaded: list[Library]) -> None:
     while loaded:
         loaded.pop().freeLibrary()
-    shutil.rmtree(folder, ignore_errors=True)
+    if folder is not None:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _element(description: ModelDescription, interface: Interface) -> InterfaceType:

@@ -106,6 +106,17 @@ def entry_of(name: str) -> CatalogueEntry:
     )
 
 
+def has(path: Path) -> bool:
+    """Whether this file is the FMU of an entry, where such are built, and up to date."""
+    if path.resolve().parent != build_folder().resolve():
+        return False
+    return any(
+        path.name == file_name(entry.fmu_name, fmi) and _up_to_date(path, _hash(entry), set())
+        for entry in names().values()
+        for fmi in versions_of("both")
+    )
+
+
 def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice, platforms: str = "host") -> list[Path]:
     versions = versions_of(choice)
     paths = {fmi: out / file_name(entry.fmu_name, fmi) for fmi in versions}

@@ -20,6 +20,7 @@ from cosim.fmu.codegen import generate
 from cosim.fmu.description import describe
 from cosim.fmu.description2 import describe2
 from cosim.fmu.layout import lay_out
+from cosim.fmu.provenance import remember
 from cosim.fmu.toolchain import RUNTIME, Platform, chosen, compile_library, fmi_headers, runtime_sources
 from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
 from cosim.modelica import Source, check_units, flatten, refuse_mismatches
@@ -135,6 +136,7 @@ def pack(
     path = out / file_name(identifier, fmi)
     Path(name).chmod(0o644)
     Path(name).replace(path)
+    remember(path)
     return path
 
 

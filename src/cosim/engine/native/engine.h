@@ -167,6 +167,14 @@ typedef struct {
     Failure failure;
 } Engine;
 
+typedef enum { NO_FAULT, WRONG_ADDRESS, STACK_OVERFLOW } FaultKind;
+
+/* What has ended the process. */
+typedef struct {
+    uint64_t address;
+    int32_t kind, unused;
+} Fault;
+
 typedef enum { UNFINISHED, FINISHED, BROKEN } Outcome;
 
 #endif

@@ -131,7 +131,7 @@ EXPORT int cosim_run(Engine *engine, double limit) {
 }
 
 /* Sizes of the structures, so that whoever fills them in can check that he means the same. */
-EXPORT void cosim_sizes(int64_t sizes[8]) {
+EXPORT void cosim_sizes(int64_t sizes[9]) {
     sizes[0] = sizeof(Wire);
     sizes[1] = sizeof(Group);
     sizes[2] = sizeof(Trigger);
@@ -140,4 +140,5 @@ EXPORT void cosim_sizes(int64_t sizes[8]) {
     sizes[5] = sizeof(Line);
     sizes[6] = sizeof(Text);
     sizes[7] = sizeof(Engine);
+    sizes[8] = sizeof(Fault);
 }
