@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from cosim.dae import Dae
 from cosim.dae.hybrid import SX, Scalar
 from cosim.dae.symbolic import evaluate
+from cosim.fmu.tunable import tunable_parameters
 
 COUNTERS = {
     "solver.steps": "Accepted steps of the solver",
@@ -68,6 +69,7 @@ def lay_out(dae: Dae) -> Layout:
     )
     places = _places(dae)
     parameters = {p.scalar.name: p for p in dae.parameters}
+    tunable = tunable_parameters(dae)
     discrete_model = not dae.unknowns
     for published in dae.published:
         scalar, value = published.scalar, published.value
@@ -79,9 +81,10 @@ def lay_out(dae: Dae) -> Layout:
         if scalar.name in parameters:
             independent = parameters[scalar.name].independent
             causality = "parameter" if independent else "calculatedParameter"
-            variability = "fixed"
+            variability = "tunable" if scalar.name in tunable else "fixed"
             initial = "exact" if independent else "calculated"
-            settable = "SET_BEFORE_INITIALIZATION_ENDS" if independent else "SET_NEVER"
+            if independent:
+                settable = "SET_ALWAYS" if scalar.name in tunable else "SET_BEFORE_INITIALIZATION_ENDS"
             start = dae.parameter_values[scalar.name] if independent else None
         elif causality == "input":
             initial, settable = None, "SET_ALWAYS"
