@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -243,6 +244,15 @@ def build_first(folder: Path) -> Path:
         archive.write(HERE / "first.xml", "modelDescription.xml")
         archive.write(library, f"binaries/{fmpy.platform}/first{fmpy.sharedLibraryExtension}")
     return path
+
+
+def edited(fmu: Path, copy: Path, edit: Callable[[str], str]) -> Path:
+    """Write a copy of an FMU with its model description edited; return its path."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(copy, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            new.writestr(name, edit(content.decode()) if name == "modelDescription.xml" else content)
+    return copy
 
 
 def with_unknown_dependencies(model: Model) -> Model:

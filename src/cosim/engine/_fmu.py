@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import os
 import shutil
 import tempfile
@@ -83,6 +84,8 @@ class Fmu:
     model_identifier: str
     needs_completed_step: bool
     """Model Exchange: it is to be told of each step of the solver."""
+    fixed_step: float | None
+    """Length [s] of the steps that it takes if it takes steps of one length only, where it says so."""
     n_states_and_indicators: tuple[int, int]
     """Model Exchange in FMI 2.0."""
     capabilities: dict[str, object]
@@ -121,6 +124,9 @@ class Fmu:
         if exchange:
             self.capabilities["canHandleVariableCommunicationStepSize"] = True
         self.capabilities["platforms"] = platforms
+        self.fixed_step = None
+        if not self.capabilities["canHandleVariableCommunicationStepSize"]:
+            self.fixed_step = _fixed_step(description, self.capabilities["fixedInternalStepSize"])
         self.variables = {}
         self.fmi_types = {}
         self.left_out = {}
@@ -251,6 +257,15 @@ def _release(folder: str | None, loaded: list[Library]) -> None:
         loaded.pop().freeLibrary()
     if folder is not None:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def _fixed_step(description: ModelDescription, internal: object) -> float | None:
+    experiment = description.defaultExperiment
+    for given in (internal, experiment.stepSize if experiment is not None else None):
+        step = float(str(given)) if given is not None else math.nan
+        if math.isfinite(step) and step > 0.0:
+            return step
+    return None
 
 
 def _element(description: ModelDescription, interface: Interface) -> InterfaceType:

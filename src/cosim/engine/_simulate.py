@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.engine._arguments import Algorithm, check_arguments, check_step
+from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_steps, check_step
 from cosim.engine._calls import Site
 from cosim.engine._execution import Ending, Job, execute, instantiated, loop_name
 from cosim.engine._isolation import Isolate, Limits, is_isolated, run_isolated
@@ -58,6 +58,7 @@ def simulate(
     check_step(algorithm, step, stop, output_interval)
     loop = loop_name()
     system.check()
+    check_fixed_steps(system, step)
     for component in system.components:
         parameters_of(component)
     limits = Limits(call_timeout, memory_limit)
