@@ -47,8 +47,7 @@ def build_all(
     if strict_units:
         from cosim.modelica import Source, check_units, flatten, refuse_mismatches
 
-        entries = [catalogue.entry_of(name) for name in names or catalogue.names()]
-        for entry in [entry for entry in entries if not entry.by_hand]:
+        for entry in [catalogue.entry_of(name) for name in names or catalogue.names()]:
             flat = flatten(Source.read(entry.source), entry.model)
             refuse_mismatches(flat, check_units(flat))
     paths: list[Path] = catalogue.build(names, out, fmi, platforms)
