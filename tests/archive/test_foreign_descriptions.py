@@ -51,7 +51,7 @@ def reading(tmp_path: Path, xml: str | bytes) -> tuple[ModelDescription, tuple[s
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", xml if isinstance(xml, bytes) else HEAD + xml)
     description, _, amiss = read_description(Archive.open(path))
-    return description, amiss
+    return description, tuple(map(str, amiss))
 
 
 def facts(description: ModelDescription) -> list[tuple[object, ...]]:

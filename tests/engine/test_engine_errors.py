@@ -338,8 +338,8 @@ def test_an_fmu_that_takes_one_step_length_only(fmu_path: Callable[[str, int], P
         error = fail(System([Component("f", fixed, {"fault": "silent_error", "t_fault": 0.05})]))
     assert str(error) == (
         "the simulation failed at t = 0.04 s: f (faulty): fmi3DoStep returned Error; the FMU gave no reason; "
-        "it accepts steps of one length only: choose an output interval on which all samples and steps of the channels "
-        "fall"
+        "it takes steps of one length only and does not say which, so it was given the output interval: "
+        "set output_interval to the length that it takes"
     )
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import fmpy
+import numpy as np
 from fmpy.fmi3 import FMU3Slave
 from fmpy.model_description import ModelVariable
 
@@ -26,7 +27,13 @@ class Importer:
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName="instance",
         )
-        self.fmu.instantiate()
+        self.said: list[str] = []
+        """What the FMU has logged."""
+
+        def say(_environment: object, _status: int, _category: bytes, message: bytes) -> None:
+            self.said.append(message.decode())
+
+        self.fmu.instantiate(loggingOn=True, logMessage=say)
         self.time = 0.0
 
     def __enter__(self) -> Self:
@@ -53,3 +60,18 @@ class Importer:
         variable = self.variables[name]
         whole = variable.type != "Float64"
         getattr(self.fmu, f"set{SUFFIX[variable.type]}")([variable.valueReference], [int(value) if whole else value])
+
+    def directional(self, unknowns: list[str], knowns: list[str]) -> Any:  # noqa: ANN401 - an array
+        """The matrix of derivatives, column by column."""
+        rows, columns = self.references(unknowns), self.references(knowns)
+        seeds = np.eye(len(columns))
+        return np.array([self.fmu.getDirectionalDerivative(rows, columns, list(seed)) for seed in seeds]).T
+
+    def adjoint(self, unknowns: list[str], knowns: list[str]) -> Any:  # noqa: ANN401 - an array
+        """The matrix of derivatives, row by row."""
+        rows, columns = self.references(unknowns), self.references(knowns)
+        seeds = np.eye(len(rows))
+        return np.array([self.fmu.getAdjointDerivative(rows, columns, list(s), len(columns)) for s in seeds])
+
+    def references(self, names: list[str]) -> list[int]:
+        return [self.variables[name].valueReference for name in names]

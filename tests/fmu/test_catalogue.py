@@ -26,7 +26,8 @@ def test_a_name_that_there_is_not() -> None:
         catalogue.ensure("linkgae")
     assert str(caught.value) == (
         "no built-in plant or controller 'linkgae', did you mean 'linkage'?; built in are linkage, rig, rig_switched, "
-        "voltage_profile, s_curve, constant_voltage, ecu, ecu_sampled; an FMU of your own is given by its path, ending in .fmu"
+        "voltage_profile, s_curve, constant_voltage, ecu, ecu_sampled, speed_control; an FMU of your own is given by "
+        "its path, ending in .fmu"
     )
 
 

@@ -78,6 +78,24 @@ def test_registers_take_what_was_there_before_the_tick(simulate: Simulate, enabl
             assert [row[f"{name}[{k}]"] for k in range(1, 41)] == expected.tolist(), (name, tick)
 
 
+@pytest.mark.parametrize("u", [True, False])
+def test_what_a_tick_decides_is_handed_on_at_once(simulate: Simulate, u: bool) -> None:
+    """In a model that one pass over its equations settles, and in one that needs more."""
+    names = ("on", "off", "both", "same", "n")
+    once, more = (
+        simulate("Handed", 2.05, 0.05, names, u=u),
+        simulate("Beats", 2.05, 0.05, (*names, "beat", "settled"), u=u),
+    )
+    n = 0
+    for tick in range(20):
+        on = tick % 2 == 0
+        n += not on and u
+        for result in (once, more):
+            row = result[2 * tick + 1]  # between two ticks
+            assert tuple(row[name] for name in names) == (on, not on, not on and u, not on and u, n)
+        assert (row["beat"], row["settled"]) == (False, not on)
+
+
 def test_an_instant_fixes_the_next(simulate: Simulate) -> None:
     result = simulate("Instants", 10.0, 0.01, ("seen", "n"))
     n = np.arange(0, 20)

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -201,20 +202,21 @@ RELAY = Model(
     states=(),
     indicators=1,
 )
+CRASH = Model("crash", (Described("y", 1, "output", unit="s"),))
 MODELS = {
     model.source: model
-    for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, WORDS, PARCEL, FOREIGN, BALL, RELAY)
+    for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, WORDS, PARCEL, FOREIGN, BALL, RELAY, CRASH)
 }
 
 
-def build(model: Model, fmi: int, folder: Path, *, variable_steps: bool = True) -> Path:
+def build(model: Model, fmi: int, folder: Path, *, variable_steps: bool = True, defines: tuple[str, ...] = ()) -> Path:
     """Compile and pack a model for FMI 2 or 3; return the path of the FMU. It may claim to take equal steps only."""
     name = model.source
     library = folder / f"{name}{fmi}{fmpy.sharedLibraryExtension}"
     sources = [str(HERE / f"{name}.c"), str(HERE / "stubs.c"), "-lm"]
     binary = ["-DBINARY"] if any(variable.type == "Binary" for variable in model.variables) else []
     exchange = ["-DEXCHANGE"] if model.states is not None else []
-    defined = [*binary, *exchange, f"-DFMI={fmi}", f"-I{FMI_HEADERS}", f"-I{HERE}"]
+    defined = [*binary, *exchange, f"-DFMI={fmi}", f"-I{FMI_HEADERS}", f"-I{HERE}", *(f"-D{one}" for one in defines)]
     subprocess.run([*_compiler(), *_CFLAGS, *defined, *sources, "-o", str(library)], check=True)
     platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
     path = folder / f"{name}{fmi}.fmu"
@@ -242,6 +244,15 @@ def build_first(folder: Path) -> Path:
         archive.write(HERE / "first.xml", "modelDescription.xml")
         archive.write(library, f"binaries/{fmpy.platform}/first{fmpy.sharedLibraryExtension}")
     return path
+
+
+def edited(fmu: Path, copy: Path, edit: Callable[[str], str]) -> Path:
+    """Write a copy of an FMU with its model description edited; return its path."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(copy, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            new.writestr(name, edit(content.decode()) if name == "modelDescription.xml" else content)
+    return copy
 
 
 def with_unknown_dependencies(model: Model) -> Model:

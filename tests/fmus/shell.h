@@ -18,6 +18,9 @@
 #ifndef REFUSAL
 #define REFUSAL(m) OK /* the status with which initialisation ends */
 #endif
+#ifndef AT
+#define AT(moment) (void)0 /* done at the beginning of a function of the FMI */
+#endif
 #ifndef LENGTH
 #define LENGTH(reference) 1 /* the number of values that a reference stands for */
 #endif
@@ -65,6 +68,7 @@ static void say(Model *m, const char *text) {
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
+    AT("Instantiate");
     Model *m = calloc(1, sizeof *m);
     m->logger = (void *)functions->logger;
     m->environment = functions->componentEnvironment;
@@ -72,13 +76,13 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     start(m);
     return m;
 }
-void fmi2FreeInstance(fmi2Component c) { free(c); }
+void fmi2FreeInstance(fmi2Component c) { AT("FreeInstance"); free(c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fmi2Real t0, fmi2Boolean sd, fmi2Real s) {
     return fmi2OK;
 }
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return fmi2OK; }
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return (fmi2Status)REFUSAL(c); }
-fmi2Status fmi2Terminate(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) { AT("EnterInitializationMode"); return fmi2OK; }
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) { AT("ExitInitializationMode"); return (fmi2Status)REFUSAL(c); }
+fmi2Status fmi2Terminate(fmi2Component c) { AT("Terminate"); return fmi2OK; }
 fmi2Status fmi2Reset(fmi2Component c) { return fmi2OK; }
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
     return fmi2OK;
@@ -88,6 +92,7 @@ const char *fmi2GetVersion(void) { return "2.0"; }
 
 #define ACCESS(Type, type)                                                                                          \
     fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference vr[], size_t n, type value[]) {             \
+        AT("Get" #Type);                                                                                            \
         outputs(c);                                                                                                 \
         for (size_t i = 0; i < n; i++) value[i] = (type)((Model *)c)->v[vr[i]];                                     \
         return fmi2OK;                                                                                              \
@@ -135,6 +140,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          const fmi3ValueReference needed[], size_t n_needed,
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger,
                                          fmi3IntermediateUpdateCallback update) {
+    AT("Instantiate");
     Model *m = calloc(1, sizeof *m);
     m->event_mode_used = event_mode_used;
     m->environment = environment;
@@ -143,19 +149,19 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     start(m);
     return m;
 }
-void fmi3FreeInstance(fmi3Instance c) { free(c); }
+void fmi3FreeInstance(fmi3Instance c) { AT("FreeInstance"); free(c); }
 const char *fmi3GetVersion(void) { return "3.0"; }
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t n, const fmi3String categories[]) {
     return fmi3OK;
 }
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean td, fmi3Float64 tol, fmi3Float64 t0, fmi3Boolean sd,
-                                       fmi3Float64 s) {
+                                       fmi3Float64 s) { AT("EnterInitializationMode");
     return fmi3OK;
 }
-fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return (fmi3Status)REFUSAL(c); }
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { AT("ExitInitializationMode"); return (fmi3Status)REFUSAL(c); }
 fmi3Status fmi3EnterEventMode(fmi3Instance c) { return fmi3OK; }
 fmi3Status fmi3EnterStepMode(fmi3Instance c) { return fmi3OK; }
-fmi3Status fmi3Terminate(fmi3Instance c) { return fmi3OK; }
+fmi3Status fmi3Terminate(fmi3Instance c) { AT("Terminate"); return fmi3OK; }
 fmi3Status fmi3Reset(fmi3Instance c) { return fmi3OK; }
 
 #define EACH(body)                                                                                                  \
@@ -165,6 +171,7 @@ fmi3Status fmi3Reset(fmi3Instance c) { return fmi3OK; }
     return k == nv ? fmi3OK : fmi3Error;
 #define ACCESS(Type, type)                                                                                          \
     fmi3Status fmi3Get##Type(fmi3Instance c, const fmi3ValueReference vr[], size_t n, type value[], size_t nv) {   \
+        AT("Get" #Type);                                                                                            \
         outputs(c);                                                                                                 \
         EACH(value[k] = (type)((Model *)c)->v[vr[i] + j])                                                           \
     }                                                                                                               \

@@ -47,6 +47,35 @@ package TimeEvents "Relations whose change is known beforehand"
     end when;
   end Registers;
 
+  model Handed "What a tick decides, and what follows from it at once"
+    parameter Real T(unit="s") = 0.1 "Period of the clock";
+    input Boolean u(start=true) "Known at all times";
+    output Boolean on(start=false, fixed=true) "Changes at each tick";
+    output Boolean off "Follows at once";
+    output Boolean both "Follows from that and the input";
+    output Boolean same "Hands both on";
+    output Integer n(start=0, fixed=true) "Ticks after which same is true";
+  equation
+    when sample(0, T) then
+      on = not pre(on);
+    end when;
+    off = not on;
+    both = off and u;
+    same = both;
+    when sample(0, T) then
+      n = if same then pre(n) + 1 else pre(n);
+    end when;
+  end Handed;
+
+  model Beats "The same, with what is over after a tick"
+    extends Handed;
+    output Boolean beat "True at the ticks alone";
+    output Boolean settled "What off was in the pass before the last one of an event";
+  equation
+    beat = sample(0, T);
+    settled = pre(off);
+  end Beats;
+
   model Instants "Each instant fixes the next one; the distance grows"
     parameter Real first(unit="s") = 0.5 "First instant";
     parameter Real step(unit="s") = 0.125 "First distance, and what each is longer than the one before";

@@ -49,6 +49,8 @@ PINS = {
     "rig_50ms_disturbed": Pin(78.591670, 11.3842, 12),
     # the reference of rig_20ms: what the hardware does wrong moves the end by less than a degree a revolution
     "rig_ecu": Pin(78.544300, 5.7571, 12, within=12 * np.pi / 180, torque_within=0.05),
+    # the reference's plant in pieces of 10 ms, with the PI controller written in three lines
+    "rig_speed_control": Pin(49.059565, 5.8279, 7),
     # the reference with the averaged bridge: means agree within 0.5 % in continuous conduction
     "rig_pwm_100khz": Pin(12.044776, 5.7594, 1, within=5e-3 * 12.044776, torque_within=5e-3 * 5.7594),
     "rig_pwm_1khz": Pin(12.711983, 4.4261, 2),
@@ -85,6 +87,16 @@ def test_both_coils_keep_their_balance_of_voltages(speed: str, k: float, R: floa
     turns = slice(closes[2], closes[-1])
     current, motor_speed = (result.columns[f"plant.{name}"][turns].mean() for name in ("i_motor", "w_motor"))
     assert R * current + k * motor_speed == pytest.approx(28.0, rel=1e-3)
+
+
+def test_an_integral_controller_keeps_the_mean_speed() -> None:
+    """Over whole revolutions, once they repeat, the integral returns: so the mean of the samples is the wanted one."""
+    result = run("rig_speed_control")
+    closes = np.flatnonzero(np.diff(result.columns["plant.park"]) > 0) // 10 * 10
+    samples = result.columns["plant.w_crank"][closes[3] : closes[-1] : 10]
+    assert samples.mean() == pytest.approx(2.0, rel=5e-4)
+    assert samples.max() > 2.2  # it is the mean alone: the weight makes the speed swing
+    assert 0.0 < result.columns["controller.duty"].min() < result.columns["controller.duty"].max() < 1.0
 
 
 def test_in_interval_mode_the_wiper_stops_at_each_contact_and_waits() -> None:

@@ -371,7 +371,7 @@ def test_fmus_that_are_not_there(refusal: Callable[..., str], tmp_path: Path) ->
     assert refusal("", controller="linkge") == "2: no built-in 'linkge'; there are plant, control, other, clash"
     assert refusal("", controller="my/own.fmu") == f"2: there is no FMU '{tmp_path / 'my/own.fmu'}'"
     assert refusal("", controller="system.SSP") == (
-        "2: 'system.SSP': this version does not read SSP systems yet; give a built-in name or the path of an .fmu"
+        "2: 'system.SSP' is a whole system; give it as 'system', without a controller"
     )
 
 

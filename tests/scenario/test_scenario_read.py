@@ -145,7 +145,10 @@ NOT_A_NUMBER = (
         ("# stop = 2 s", "1: 'stop = 2 s' has no ':'; write '# stop: value', or '##' in front of a comment"),
         ("# stpo=2 s", "1: 'stpo=2 s' has no ':'; write '# key: value', or '##' in front of a comment"),
         ("# stop:", "1: 'stop' has no value; write a time such as 25 s"),
-        ("# system:", "1: 'system' has no value; write a built-in plant such as linkage, or the path of an .fmu"),
+        (
+            "# system:",
+            "1: 'system' has no value; write a built-in plant such as linkage, or the path of an .fmu, .ssp or .ssd",
+        ),
         ("# sample_time: 20", "1: 'sample_time' is a time, '20' is not; write 20 s or 20 ms"),
         ("# sample_time: 20 mV", "1: 'sample_time' is a time, '20 mV' is not; write a time such as 20 ms"),
         ("# sample_time: -1 ms", "1: 'sample_time' must be longer than 0 s, found '-1 ms'"),
@@ -273,7 +276,7 @@ def test_files_that_are_no_table(tmp_path: Path) -> None:
 
 def test_keys_that_are_missing(tmp_path: Path) -> None:
     assert refusal(tmp_path, "# controller: none\n# stop: 1 s\ntime [s]\n") == (
-        "no '# system: ...' line; write a built-in plant such as linkage, or the path of an .fmu"
+        "no '# system: ...' line; write a built-in plant such as linkage, or the path of an .fmu, .ssp or .ssd"
     )
     assert refusal(tmp_path, "# system: rig\n# stop: 1 s\ntime [s]\n") == (
         "no '# controller: ...' line; write voltage_profile, another built-in controller, the path of an .fmu, or none"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from dataclasses import asdict
+from importlib.util import module_from_spec, spec_from_file_location
 from itertools import pairwise
 from pathlib import Path
 
@@ -20,10 +21,12 @@ from cosim.thesis._measured import read_measured
 from cosim.thesis._readings import T_RAMP
 from cosim.thesis._runs import profile_run, scenario_run
 from cosim.thesis._table import PUBLISHED
+from thesis.pages import differences
 
 pytest.importorskip("rumoca")
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.fixture(scope="module")
@@ -167,6 +170,46 @@ def test_a_measured_torque_that_cannot_be_read_is_refused(tmp_path: Path, conten
         path.write_text(content, encoding="utf-8")
     with pytest.raises(InputError, match=re.escape(message)):
         read_measured(path)
+
+
+@pytest.mark.parametrize("name", ["thesis.md", "claims.md"])
+def test_the_pages_of_the_documentation_are_those_of_a_fresh_run(made: Reproduction, name: str) -> None:
+    spec = spec_from_file_location("documentation", DOCS / "thesis.py")
+    assert spec is not None
+    assert spec.loader is not None
+    documentation = module_from_spec(spec)
+    spec.loader.exec_module(documentation)
+    page = (DOCS / name).read_text(encoding="utf-8")
+    fresh = documentation.linked(file(made, name).read_text(encoding="utf-8"))
+    assert differences(page, fresh) == [], "run python docs/thesis.py"
+    shown = re.findall(r"\]\((pictures/\S+)\)", page)
+    assert shown
+    assert all((DOCS / picture).is_file() for picture in shown)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "agree"),
+    [
+        ("mean 10.83 N.m", "mean 10.84 N.m", True),
+        ("mean 10.83 N.m", "mean 11.05 N.m", False),
+        ("2 ms | 5/10 | 3 %", "2 ms | 5/10 | 4 %", True),
+        ("2 ms | 5/10 |", "2 ms | 6/10 |", False),
+        ("does not hold", "holds", False),
+        ("0.05 % more, -4 mA", "0.06 % more, -4 mA", True),
+        ("0.05 % more, -4 mA", "0.07 % more, -4 mA", False),
+        ("5.7e-06 H", "5.9e-06 H", False),
+    ],
+)
+def test_a_page_that_has_drifted_is_seen(old: str, new: str, agree: bool) -> None:
+    assert (differences(old, new) == []) == agree
+
+
+def test_every_claim_has_a_verdict_numbers_and_a_picture(made: Reproduction) -> None:
+    assert len(made.findings) >= 10
+    names = {path.name for path in made.files}
+    for finding in made.findings:
+        assert re.search(r"\d", finding.numbers)
+        assert finding.picture in names
 
 
 def test_the_rig_runs_are_as_the_source_describes_them(made: Reproduction) -> None:

@@ -48,7 +48,7 @@ class Archive:
             return cls(path, path.read_bytes(), kind)
         except OSError as error:
             ending = ".fmu" if kind == "FMU" else f".{kind.lower()}"
-            article = "an" if kind == "FMU" else "a"
+            article = "an" if kind[0] in "FS" else "a"
             raise FmuError(
                 f"cannot be read: {error.strerror}; give the path of {article} {ending} file", file=path
             ) from error
@@ -100,7 +100,7 @@ class Archive:
 
 def _unreadable(content: bytes, kind: str) -> str:
     """Tell a file that was cut off from one that never was a zip archive."""
-    article = "an" if kind == "FMU" else "a"
+    article = "an" if kind[0] in "FS" else "a"
     if content.startswith(b"PK\3\4"):
         return f"is not {article} {kind}: the zip archive is cut off or damaged; copy it again"
     return f"is not {article} {kind}: it is not a zip archive; export the model again"

@@ -74,6 +74,22 @@ def run(
         ),
     ] = None,
     plots: Annotated[bool, typer.Option("--plots/--no-plots", help="Draw PNG plots.")] = True,
+    isolate: Annotated[
+        str,
+        typer.Option(
+            metavar="auto|always|never",
+            help="Simulate in a process of its own, which may crash or hang alone; auto: if an FMU was not built here.",
+        ),
+    ] = "auto",
+    call_timeout: Annotated[
+        str, typer.Option(metavar="TIME", help="How long one call of an FMU may take in such a process.")
+    ] = "60 s",
+    memory_limit: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SIZE", help="Memory that such a process may have, such as '4 GB'; default: the machine's."
+        ),
+    ] = None,
     timing: Annotated[
         bool,
         typer.Option("--explain-timing", help="Do not run; tell who is computed when, what travels, and each delay."),
@@ -84,11 +100,16 @@ def run(
     """Simulate scenarios one after another; write results.csv, results.parquet, summary.json and plots."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
+        from cosim.cli._isolation import isolation, prepare
+
+        isolated = isolation(isolate, call_timeout, memory_limit)
+        if not timing:
+            prepare(files, isolated, settings or [])
         from cosim.cli._run import explain_files, run_files
 
         if timing:
             raise typer.Exit(explain_files(files, settings or [], screen))
-        raise typer.Exit(run_files(files, out, settings or [], screen, plots=plots))
+        raise typer.Exit(run_files(files, out, settings or [], screen, isolated, plots=plots))
 
 
 @app.command()
@@ -131,6 +152,28 @@ def info(
         show(fmu, screen)
 
 
+@app.command(name="check")
+def check_command(
+    fmu: Annotated[str, typer.Argument(metavar="X.fmu", help="Path of an FMU, or name of a built-in one.")],
+    *,
+    strict: Annotated[bool, typer.Option("--strict", help="Exit with 2 for warnings, too.")] = False,
+    run: Annotated[
+        bool, typer.Option("--run/--no-run", help="Also run the FMU's binary, in a process of its own.")
+    ] = True,
+    timeout: Annotated[
+        float, typer.Option(metavar="SECONDS", min=0.1, help="How long each rule that runs the FMU may take.")
+    ] = 30.0,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Judge an FMU: archive, schema, semantics, binaries, and how it runs; exit with 2 if it has errors."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._check import check_fmu
+
+        raise typer.Exit(check_fmu(fmu, screen, strict=strict, run=run, timeout=timeout))
+
+
 @app.command()
 def export(
     file: Annotated[Path, typer.Argument(metavar="FILE.mo", help="Modelica file.", show_default=False)],
@@ -158,6 +201,30 @@ def export(
             screen.say(text)
         for path in paths:
             screen.say(str(path))
+
+
+@app.command(name="export-ssp")
+def export_ssp_command(
+    file: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file.", show_default=False)],
+    *,
+    out: Annotated[
+        Path | None, typer.Option(metavar="X.ssp", help="The SSP to write; default: the scenario's name, here.")
+    ] = None,
+    ssp: Annotated[str, typer.Option("--ssp", metavar="1.0|2.0", help="Version of the SSP standard.")] = "1.0",
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="As for 'cosim run'. Repeatable.")
+    ] = None,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Write a scenario's system with its FMUs and parameters as an SSP, and X_ssp.csv, a scenario that runs it."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._export_ssp import export_ssp
+
+        written, beside = export_ssp(file, out, ssp, settings or [], screen)
+        screen.document({"ssp": str(written), "scenario": str(beside)})
+        screen.say(f"{written}\n{beside}")
 
 
 @app.command()

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from cosim.cli._builtin import locate
+from cosim.cli._isolation import Isolation
 from cosim.cli._screen import INTERRUPTED, Screen
 from cosim.engine import Result, System, explain_timing, simulate
 from cosim.errors import CosimError, FmuWarning, InputError, SimulationError
@@ -52,7 +53,9 @@ def explain_files(files: Sequence[Path], settings: Sequence[str], screen: Screen
     return _report(outcomes, screen)
 
 
-def run_files(files: Sequence[Path], out: Path, settings: Sequence[str], screen: Screen, *, plots: bool) -> int:
+def run_files(
+    files: Sequence[Path], out: Path, settings: Sequence[str], screen: Screen, isolation: Isolation, *, plots: bool
+) -> int:
     """Run scenarios and write their results into ``out``; return the worst exit code.
 
     A scenario that is refused or fails does not keep the next ones from running; Ctrl-C does.
@@ -62,7 +65,7 @@ def run_files(files: Sequence[Path], out: Path, settings: Sequence[str], screen:
     for file in files:
         outcome = Outcome(str(file))
         outcomes.append(outcome)
-        _run(outcome, file, out / file.stem, settings, screen, plots=plots)
+        _run(outcome, file, out / file.stem, settings, screen, isolation, plots=plots)
         if outcome.message is not None:
             screen.error(outcome.message)
         if outcome.exit_code == INTERRUPTED:
@@ -87,12 +90,21 @@ def _check_folders(files: Sequence[Path]) -> None:
             )
 
 
-def _run(outcome: Outcome, file: Path, folder: Path, settings: Sequence[str], screen: Screen, *, plots: bool) -> None:
+def _run(
+    outcome: Outcome,
+    file: Path,
+    folder: Path,
+    settings: Sequence[str],
+    screen: Screen,
+    isolation: Isolation,
+    *,
+    plots: bool,
+) -> None:
     try:
         scenario = read(file, settings)
         system = _assemble(scenario, outcome, screen)
         clear(folder)
-        result = _simulate(scenario, system, outcome, screen)
+        result = _simulate(scenario, system, outcome, screen, isolation)
         if result is None:
             return
         outcome.folder = str(folder)
@@ -123,7 +135,9 @@ def _assemble(scenario: Scenario, outcome: Outcome, screen: Screen) -> System:
     return system
 
 
-def _simulate(scenario: Scenario, system: System, outcome: Outcome, screen: Screen) -> Result | None:
+def _simulate(
+    scenario: Scenario, system: System, outcome: Outcome, screen: Screen, isolation: Isolation
+) -> Result | None:
     """Simulate; a run that ends early leaves its message in ``outcome`` and gives what it had, None if nothing."""
     try:
         with _naming(scenario.path), screen.progress(scenario.path.stem, scenario.stop) as progress:
@@ -133,6 +147,9 @@ def _simulate(scenario: Scenario, system: System, outcome: Outcome, screen: Scre
                 output_interval=scenario.output_interval,
                 tolerance=scenario.tolerance,
                 progress=progress,
+                isolate=isolation.isolate,
+                call_timeout=isolation.call_timeout,
+                memory_limit=isolation.memory_limit,
             )
     except (SimulationError, KeyboardInterrupt) as error:
         interrupted = isinstance(error, KeyboardInterrupt)

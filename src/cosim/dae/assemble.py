@@ -155,6 +155,7 @@ class _Assembly:
             equations=[system.source.with_line(e.text, e.at) for e in self._differentiated.equations],
             sizes=sizes,
             differentiated=self._differentiated_equations(),
+            constrained=self._constrained(),
             not_chosen=[chains.label(Node(node.base, node.order - 1)) for node in self._selection.dummies],
             constraints=constraints_of(self._selection, self._differentiated, self.resolve),
             computed=[Computed(s.name(), self._values[s.name()], remarks[s.name()]) for s, _ in self._solution.steps],
@@ -170,6 +171,12 @@ class _Assembly:
             remark = equation.text if block.kind == "explicit" else f"block {coupled}"
             remarks |= dict.fromkeys(block.unknowns, remark)
         return remarks
+
+    def _constrained(self) -> frozenset[str]:
+        """The parameters in equations that have derivatives among the equations."""
+        known = {parameter.scalar.name for parameter in self._system.parameters}
+        given = self._differentiated
+        return frozenset(s.name() for e in given.successor for s in ca.symvar(given.equations[e].residual)) & known
 
     def _differentiated_equations(self) -> list[tuple[str, int]]:
         given = self._differentiated

@@ -107,6 +107,8 @@ class Dae:
     """Variables whose derivatives occur, and which are not states because constraints give them."""
     constraints: list[Constraints] = field(default_factory=list)
     """Where the choice of states could become wrong."""
+    constrained: frozenset[str] = frozenset()
+    """Parameters in equations that had to be differentiated, where they were taken to stand still for ever."""
     computed: list[Computed] = field(default_factory=list)
     """Every explicitly computed unknown, in the order of computation."""
 

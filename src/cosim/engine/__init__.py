@@ -2,7 +2,8 @@
 
 from cosim.engine._arguments import LEAST_TOLERANCE, Algorithm
 from cosim.engine._explain import explain_timing
-from cosim.engine._fmu import Fmu
+from cosim.engine._fmu import Fmu, Interface
+from cosim.engine._isolation import Isolate
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._role import Role, role_of
 from cosim.engine._simulate import simulate
@@ -16,6 +17,8 @@ __all__ = [
     "Component",
     "Connection",
     "Fmu",
+    "Interface",
+    "Isolate",
     "PartialResultError",
     "Result",
     "Role",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Literal, get_args
 
-from cosim.engine._system import SAME_INSTANT
+from cosim.engine._system import SAME_INSTANT, System
 from cosim.errors import InputError
 
 LEAST_TOLERANCE = 1e-12
@@ -44,3 +44,14 @@ def check_step(algorithm: str, step: float | None, stop: float, output_interval:
     for name, value in (("output_interval", output_interval), ("stop", stop)):
         if abs(value - round(value / step) * step) > 0.5 * SAME_INSTANT or value < step:
             raise InputError(f"{name} is {value:g} s; it must be a multiple of the macro step, {step:g} s")
+
+
+def check_fixed_steps(system: System, step: float | None) -> None:
+    """Raise InputError for a component that cannot take the macro step ``step`` [s] of the Jacobi algorithm."""
+    for component in system.components:
+        own = component.fmu.fixed_step
+        if step is not None and own is not None and abs(step - own) > SAME_INSTANT:
+            raise InputError(
+                f"step is {step:g} s, but {component.name} ({component.fmu.name}) takes steps of {own:g} s only; "
+                f"choose {own:g} s, or the default algorithm, which gives each component its own steps"
+            )

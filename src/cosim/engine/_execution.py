@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -71,7 +72,7 @@ def execute(job: Job, plan: Plan, record: Record, progress: Callable[[float], No
 
     Raises InputError (FmuError) if a component refuses its parameters.
     """
-    library = native_library() if record.loop == "native" else None
+    library = native_library(record.loop)
     started = time.perf_counter()
     try:
         for component in job.system.components:
@@ -101,12 +102,14 @@ def interruption_message(record: Record) -> str:
 def _statistics(plan: Plan, record: Record, started: float, broken: Instance | None = None) -> dict[str, object]:
     wall = time.perf_counter() - started
     participants = [*plan.discrete, *plan.continuous]
+    fixed = {p.instance.name: p.period for p in plan.continuous if p.due < math.inf}
     return {
         "wall_s": wall,
         "loop": record.loop,
         "exchanges": record.exchanges,
         "roles": {p.instance.name: p.role.value for p in participants},
         "steps": {p.instance.name: p.steps for p in participants},
+        **({"fixed_step_s": fixed} if fixed else {}),
         "events": {p.instance.name: p.events for p in participants if p.role is Role.EVENT},
         "solver": {p.instance.name: _counters(p.instance) for p in participants if p.instance is not broken},
     }

@@ -6,7 +6,7 @@ from contextlib import ExitStack, suppress
 from functools import partial
 from itertools import pairwise
 
-from cosim.engine._arguments import Algorithm, check_arguments, check_step
+from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_steps, check_step
 from cosim.engine._initialize import initialize
 from cosim.engine._instance import CallError, instantiate
 from cosim.engine._loop import run, run_jacobi
@@ -43,6 +43,7 @@ def explain_timing(
     check_arguments(stop, output_interval, tolerance)
     check_step(algorithm, step, stop, output_interval)
     system.check()
+    check_fixed_steps(system, step)
     trace = Trace(_WANTED)
     plan = _traced(system, trace, stop, output_interval, tolerance, step)
     lines = [_heading(trace, output_interval, step), "", "Components, in the order in which an instant computes them:"]
@@ -50,7 +51,8 @@ def explain_timing(
     width = max(len(participant.instance.name) for participant in order)
     for participant in order:
         name = participant.instance.name
-        lines.append(f"  {name:{width}}  {_component(trace.components[name], trace.roles[name], step)}")
+        any_step = bool(participant.instance.fmu.capabilities["canHandleVariableCommunicationStepSize"])
+        lines.append(f"  {name:{width}}  {_component(trace.components[name], trace.roles[name], step, any_step)}")
         if trace.roles[name] is Role.SAMPLED:
             component = next(component for component in system.components if component.name == name)
             lines.append(f"  {'':{width}}  {probe(component, step or period_of(component, output_interval))}")
@@ -102,13 +104,15 @@ def _heading(trace: Trace, output_interval: float, step: float | None) -> str:
     return f"{how}. Rows every {output_interval:g} s. Observed from 0 s to {trace.until:.9g} s."
 
 
-def _component(seen: Component, role: Role, step: float | None) -> str:
+def _component(seen: Component, role: Role, step: float | None, any_step: bool) -> str:
     if role is Role.CONTINUOUS or step is not None:
         shortest, longest = min(seen.steps, default=0.0), max(seen.steps, default=0.0)
         alike = longest - shortest <= SAME_INSTANT
         lengths = f"of {longest:.9g} s" if alike else f"of {shortest:.9g} s to {longest:.9g} s"
         if step is not None:
             return f"{role.value}: macro steps {lengths}"
+        if not any_step:
+            return f"continuous: steps {lengths}, the only ones it takes; its outputs hold in between"
         return f"continuous: steps {lengths}, each to the next instant or row"
     what = "samples" if role is Role.SAMPLED else "events of its own"
     text = f"{role.value}: {what} {_instants(seen.own)}"

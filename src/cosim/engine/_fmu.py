@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import os
 import shutil
 import tempfile
@@ -83,6 +84,8 @@ class Fmu:
     model_identifier: str
     needs_completed_step: bool
     """Model Exchange: it is to be told of each step of the solver."""
+    fixed_step: float | None
+    """Length [s] of the steps that it takes if it takes steps of one length only, where it says so."""
     n_states_and_indicators: tuple[int, int]
     """Model Exchange in FMI 2.0."""
     capabilities: dict[str, object]
@@ -121,6 +124,9 @@ class Fmu:
         if exchange:
             self.capabilities["canHandleVariableCommunicationStepSize"] = True
         self.capabilities["platforms"] = platforms
+        self.fixed_step = None
+        if not self.capabilities["canHandleVariableCommunicationStepSize"]:
+            self.fixed_step = _fixed_step(description, self.capabilities["fixedInternalStepSize"])
         self.variables = {}
         self.fmi_types = {}
         self.left_out = {}
@@ -219,6 +225,18 @@ class Fmu:
         finally:
             os.chdir(working_folder)
 
+    def __getstate__(self) -> dict[str, object]:
+        """Return what another process needs to use the same folder, which stays this one's to remove."""
+        if not self._finalizer.alive:
+            raise FmuError("is closed; read it again to use it", file=self.path)
+        return {key: value for key, value in vars(self).items() if key not in ("_loaded", "_finalizer")}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """Take that over; ``close`` unloads the library."""
+        vars(self).update(state)
+        self._loaded = []
+        self._finalizer = weakref.finalize(self, _release, None, self._loaded)
+
     def close(self) -> None:
         """Unload the library and remove the temporary folder; no simulation may be using it."""
         self._finalizer()
@@ -234,10 +252,20 @@ class Fmu:
         self.close()
 
 
-def _release(folder: str, loaded: list[Library]) -> None:
+def _release(folder: str | None, loaded: list[Library]) -> None:
     while loaded:
         loaded.pop().freeLibrary()
-    shutil.rmtree(folder, ignore_errors=True)
+    if folder is not None:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _fixed_step(description: ModelDescription, internal: object) -> float | None:
+    experiment = description.defaultExperiment
+    for given in (internal, experiment.stepSize if experiment is not None else None):
+        step = float(str(given)) if given is not None else math.nan
+        if math.isfinite(step) and step > 0.0:
+            return step
+    return None
 
 
 def _element(description: ModelDescription, interface: Interface) -> InterfaceType:

@@ -220,10 +220,11 @@ class Instance(ABC):
             raise CallError(self, f"{self.symbol(function)} returned {name}", self._remedy(function, status))
 
     def _remedy(self, function: str, status: int) -> str:
-        if function == "DoStep" and not self.fmu.capabilities["canHandleVariableCommunicationStepSize"]:
+        any_step = self.fmu.capabilities["canHandleVariableCommunicationStepSize"]
+        if function == "DoStep" and not any_step and self.fmu.fixed_step is None:
             return (
-                "it accepts steps of one length only: choose an output interval on which all samples and steps of the "
-                "channels fall"
+                "it takes steps of one length only and does not say which, so it was given the output interval: "
+                "set output_interval to the length that it takes"
             )
         if status == STATUS.index("Discard"):
             return "it could not finish this step: try a smaller output interval or a looser tolerance"

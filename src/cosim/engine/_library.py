@@ -14,7 +14,7 @@ from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t
 from pathlib import Path
 
 from cosim.engine import _compilation
-from cosim.engine._structures import SIZES, Engine
+from cosim.engine._structures import SIZES, Engine, Fault
 from cosim.errors import BuildError, InputError
 from cosim.fmu.toolchain import host_name
 
@@ -22,13 +22,13 @@ CHOICE = "COSIM_ENGINE"
 """Environment variable: "native", "python", or "auto", which takes the Python loop if the native one cannot be had."""
 
 
-def native_library() -> ctypes.CDLL | None:
-    """Return the library of the native loop, or None if the Python loop is to be used.
+def native_library(choice: str | None = None) -> ctypes.CDLL | None:
+    """Return the library of the native loop, or None if the Python loop is to be used: as COSIM_ENGINE chooses.
 
     Raises InputError if COSIM_ENGINE is none of its three values, BuildError if it is "native" and there is neither a
     library nor a compiler.
     """
-    choice = os.environ.get(CHOICE, "auto")
+    choice = os.environ.get(CHOICE, "auto") if choice is None else choice
     if choice not in ("auto", "native", "python"):
         raise InputError(f"{CHOICE} is {choice!r}; it can be auto, native or python")
     if choice == "python":
@@ -92,6 +92,8 @@ def _opened(path: Path) -> ctypes.CDLL:
     library.cosim_set_text.restype = c_bool
     library.cosim_free_texts.argtypes = [POINTER(Engine)]
     library.cosim_free_texts.restype = None
+    library.cosim_note_faults.argtypes = [POINTER(Fault)]
+    library.cosim_note_faults.restype = None
     sizes = (c_int64 * len(SIZES))()
     library.cosim_sizes(sizes)
     if tuple(sizes) != SIZES:

@@ -30,6 +30,10 @@ FAILED = 2
 """From this status on, a call has failed."""
 
 _KEPT = 5
+
+SILENCE = "the FMU gave no reason"
+"""What is said of an FMU that has said nothing."""
+
 _ASSERTION = re.compile(r"\bassert(?:ion)?\b[^:]*:\s*(?P<reason>.+)", re.IGNORECASE | re.DOTALL)
 
 
@@ -64,7 +68,7 @@ class Log:
 
     def __str__(self) -> str:
         """Return what the FMU said, as part of a sentence."""
-        return f"the FMU says: {' | '.join(self._messages)}" if self._messages else "the FMU gave no reason"
+        return f"the FMU says: {' | '.join(self._messages)}" if self._messages else SILENCE
 
 
 _keys = itertools.count(1)

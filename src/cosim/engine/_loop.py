@@ -29,6 +29,7 @@ def run(plan: Plan, record: Record, progress: Callable[[float], None] | None) ->
     grid = record.grid.tolist()
     stop = grid[-1]
     schedule, discrete = plan.schedule, plan.discrete
+    timed = [*discrete, *(p for p in plan.continuous if p.due < inf)]
     undated = [p for p in discrete if p.role is Role.EVENT]
     shown = 0.0
     now = 0.0
@@ -45,7 +46,7 @@ def run(plan: Plan, record: Record, progress: Callable[[float], None] | None) ->
             if record.count == len(grid):
                 break
         row = grid[record.count]
-        due = min([p.due for p in discrete], default=inf)
+        due = min([p.due for p in timed], default=inf)
         instant = due if due <= schedule.next + SAME_INSTANT else schedule.next
         exchanging = instant <= row + SAME_INSTANT
         t = min(instant if exchanging else row, stop)
@@ -115,9 +116,15 @@ def advance(plan: Plan, now: float, t: float, recording: bool) -> None:
     """
     values = plan.values
     h = t - now
+    fixed = [p for p in plan.continuous if p.due < inf]
+    for participant in fixed:
+        participant.begin_fixed_step(now)
     for line in plan.lines:
         values[line.middle] = line.at(now + 0.5 * h)
     for participant in plan.continuous:
+        if participant in fixed:
+            participant.end_fixed_step(t)
+            continue
         participant.write()
         participant.step(now, h)
         participant.read(recording)

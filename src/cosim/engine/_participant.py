@@ -121,8 +121,8 @@ class Participant:
     stale: bool = False
 
     def __post_init__(self) -> None:
-        """A discrete component is due at t = 0; FMI 3.0 leaves initialisation in Event Mode."""
-        self.due = math.inf if self.role is Role.CONTINUOUS else 0.0
+        """A discrete component is due at t = 0, a fixed step at its end; FMI 3.0 initialises into Event Mode."""
+        self.due = self.period if self.role is Role.CONTINUOUS else 0.0
         self.in_event_mode = self.role is Role.EVENT
 
     def write(self, force: bool = False) -> None:
@@ -211,6 +211,20 @@ class Participant:
             instance.check("DoStep", status)
         if instance.flags.value & (TERMINATE | EARLY_RETURN):
             instance.fail_to_go_on(early=not instance.flags.value & TERMINATE)
+
+    def begin_fixed_step(self, now: float) -> None:
+        """Set the inputs if a step of the one length that the component takes begins now [s]."""
+        if abs(now - self.time) <= SAME_INSTANT:
+            self.write()
+
+    def end_fixed_step(self, t: float) -> None:
+        """Take the step of the one length if it ends at t [s]; the outputs hold until the next one does."""
+        if t >= self.due - SAME_INSTANT:
+            self.step(self.time, self.period)
+            self.ticks += 1
+            self.time = self.due
+            self.due = (self.ticks + 1) * self.period
+            self.read()
 
     def carry(self, t: float) -> None:
         """Bring a component with event mode to t [s], where it may turn out to need an event."""

@@ -21,7 +21,7 @@ from cosim.engine._channels import Line, Schedule, first_value
 from cosim.engine._instance import Instance
 from cosim.engine._order import continuous_order, discrete_order
 from cosim.engine._participant import Binaries, Buffer, InputGroup, OutputGroup, Participant, Wire
-from cosim.engine._role import Role, period_of, role_of
+from cosim.engine._role import Role, fixed_step_of, period_of, role_of
 from cosim.engine._system import Channel, Component, System, dotted
 from cosim.engine._variable import OPAQUE, Variable
 
@@ -85,7 +85,7 @@ def make_plan(
         participants[component.name] = kind(
             instance,
             roles[component.name],
-            period_of(component, output_interval) if roles[component.name] is Role.SAMPLED else math.inf,
+            _period(component, roles[component.name], output_interval),
             values,
             inputs,
             groups,
@@ -112,6 +112,12 @@ def make_plan(
         first_text=total + 1,
         texts=present,
     )
+
+
+def _period(component: Component, role: Role, output_interval: float) -> float:
+    if role is Role.EVENT:
+        return math.inf
+    return (period_of if role is Role.SAMPLED else fixed_step_of)(component, output_interval)
 
 
 def _recorded_outputs(component: Component) -> list[str]:
@@ -225,7 +231,9 @@ def _sources(
     middles = {line.slot: line.middle for line in lines}
     for channel in system.channels:
         slot = signals[channel.target]
-        if roles[channel.target[0]] is Role.CONTINUOUS:
+        fmu = next(c.fmu for c in system.components if c.name == channel.target[0])
+        any_step = fmu.capabilities["canHandleVariableCommunicationStepSize"]
+        if roles[channel.target[0]] is Role.CONTINUOUS and any_step:
             slot = middles.get(slot, slot)
         sources[channel.target] = (slot, 1.0, 0.0)
     return sources

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import ctypes
-import os
 from array import array
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import ceil, inf
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.engine._board import Board
 from cosim.engine._instance import CallError
 from cosim.engine._structures import Engine, Position
 from cosim.engine._system import SAME_INSTANT
 from cosim.errors import InputError
+from cosim.worker import machine_memory
 
 
 @dataclass
@@ -33,6 +35,10 @@ class Record:
     def __post_init__(self) -> None:
         """Look at the position in the header."""
         self.at = Position.from_buffer(self.header)
+
+    def apart(self) -> Record:
+        """Return a copy of what was recorded in memory of its own: a shared one takes a file descriptor each."""
+        return Record(self.grid, self.rows[: self.count].copy(order="F"), self.loop, bytearray(self.header))
 
     @property
     def count(self) -> int:
@@ -58,10 +64,13 @@ class Record:
         self.at.exchanges = count
 
     @classmethod
-    def empty(cls, stop: float, interval: float, width: int, loop: str) -> Record:
+    def empty(
+        cls, stop: float, interval: float, width: int, loop: str, allocate: Callable[[int], Board] | None = None
+    ) -> Record:
         """Return a record without rows; each column of ``rows`` lies in one piece, as the result needs it.
 
-        Raises InputError if the rows do not fit into the memory of this machine.
+        ``allocate`` gives memory for so many rows that is shared with another process; without it they lie in memory of
+        this one. Raises InputError if the rows do not fit into the memory of this machine.
         """
         rows = (stop - SAME_INSTANT) / interval + 1.0
         size = 8.0 * rows * (width + 1)
@@ -69,10 +78,13 @@ class Record:
             f"the result would have {rows:.3g} rows of {width + 1} columns, which take {size / 1e9:.3g} GB of memory, "
             "more than there is; set a longer output_interval or an earlier stop"
         )
-        if size > _memory():
+        if size > machine_memory():
             raise refusal
         try:
             grid = output_grid(stop, interval)
+            if allocate is not None:
+                board = allocate(len(grid))
+                return cls(grid, board.rows, loop, board.header)
             return cls(grid, np.empty((len(grid), width), order="F"), loop, bytearray(ctypes.sizeof(Engine)))
         except MemoryError as error:
             raise refusal from error
@@ -81,14 +93,6 @@ class Record:
         """Append a row: the first of these values."""
         self.rows[self.count] = values[: self.rows.shape[1]]
         self.at.row += 1
-
-
-def _memory() -> float:
-    """Return the memory of this machine [bytes]; infinite where an array that has no room is refused at once."""
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, OSError, ValueError):
-        return inf
 
 
 def output_grid(stop: float, interval: float) -> NDArray[np.float64]:
@@ -112,13 +116,22 @@ def failure_message(failure: CallError, record: Record) -> str:
     Raises InputError instead if a component could not be initialised because it does not take what it was given.
     """
     instance = failure.instance
-    started = record.exchanges or record.now
-    if not started and (reason := instance.log.assertion):
+    if not _started(record) and (reason := instance.log.assertion):
         raise InputError(
             f"{instance.name} ({instance.fmu.name}) refuses its parameters or inputs: {reason.rstrip('.')}; change them"
         ) from failure
-    where = f"at t = {record.now:.9g} s" if started else "during initialisation"
     return (
-        f"the simulation failed {where}: {instance.name} ({instance.fmu.name}): {failure.what}; {instance.log}; "
-        f"{failure.remedy}"
+        f"the simulation failed {place_of(record)}: {instance.name} ({instance.fmu.name}): {failure.what}; "
+        f"{instance.log}; {failure.remedy}"
     )
+
+
+def place_of(record: Record) -> str:
+    """Return where a run has ended, as part of a sentence."""
+    if record.count == len(record.grid):
+        return f"after its last row, at t = {record.now:.9g} s"
+    return f"at t = {record.now:.9g} s" if _started(record) else "during initialisation"
+
+
+def _started(record: Record) -> bool:
+    return bool(record.exchanges or record.now)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 
 from cosim.engine._fmu import Fmu
 from cosim.engine._system import SAME_INSTANT, Component
@@ -17,9 +18,10 @@ class Role(enum.Enum):
     A component is discrete if its model description lists no continuous state, and either none of its outputs is
     continuous or it has a parameter ``T_compute``. A discrete component with an event mode (FMI 3.0) announces its own
     events. Any other discrete component that has inputs is sampled: its doStep(t, h) executes the sample at t and holds
-    the outputs until t + h, with h = ``T_compute``, or the output interval if it has no such parameter; a change of its
-    inputs in between waits for its next sample. All else is continuous and is run without event mode: the outputs
-    after doStep(t, h) are those at t + h.
+    the outputs until t + h, with h = ``T_compute``, or the one step that it can take, or the output interval; a change
+    of its inputs in between waits for its next sample. All else is continuous and is run without event mode: the
+    outputs after doStep(t, h) are those at t + h. One that takes steps of one length only takes these, each with the
+    inputs that it had at the beginning, and its outputs hold in between.
     """
 
     EVENT = "event"
@@ -42,11 +44,18 @@ def role_of(fmu: Fmu) -> Role:
 def period_of(component: Component, output_interval: float) -> float:
     """Return the sample period [s] of a sampled component; raises FmuError if it is not positive."""
     if not _has_period(component.fmu):
-        return output_interval
+        return component.fmu.fixed_step or output_interval
     value = component.parameters.get(_PERIOD, component.fmu.variables[_PERIOD].start)
     if not isinstance(value, int | float) or not value > 2.0 * SAME_INSTANT:
         raise FmuError(f"{component.name}.{_PERIOD}: is {value}; a sample period must be above {2.0 * SAME_INSTANT} s")
     return float(value)
+
+
+def fixed_step_of(component: Component, output_interval: float) -> float:
+    """Return the length [s] of the steps of a continuous component; infinite if it takes steps of any length."""
+    if component.fmu.capabilities["canHandleVariableCommunicationStepSize"]:
+        return math.inf
+    return component.fmu.fixed_step or output_interval
 
 
 def _has_period(fmu: Fmu) -> bool:

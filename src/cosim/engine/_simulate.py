@@ -7,9 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.engine._arguments import Algorithm, check_arguments, check_step
+from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_steps, check_step
 from cosim.engine._calls import Site
 from cosim.engine._execution import Ending, Job, execute, instantiated, loop_name
+from cosim.engine._isolation import Isolate, Limits, is_isolated, run_isolated
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Layout, lay_out
 from cosim.engine._record import Record
@@ -26,6 +27,9 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     algorithm: Algorithm = "gauss-seidel",
     step: float | None = None,
+    isolate: Isolate = "never",
+    call_timeout: float = Limits.call,
+    memory_limit: float | None = Limits.memory,
 ) -> Result:
     """Simulate from 0 to ``stop`` [s] and record every ``output_interval`` [s].
 
@@ -36,6 +40,11 @@ def simulate(
     the other in the order of direct feedthrough. "jacobi" takes macro steps of ``step`` [s], of which
     ``output_interval`` and ``stop`` must be multiples: at each communication point all components put out, then all are
     stepped, without event mode, whatever their role; changes of channels act from the next communication point on.
+
+    ``isolate`` "always" runs all of it in a process of its own, with the same numbers, so that an FMU that crashes,
+    hangs or ends its process ends that one only; "auto" does so unless this project has built all FMUs here; "never"
+    runs it here. There one call of an FMU may take ``call_timeout`` [s], and the process have ``memory_limit`` [bytes],
+    by default what the machine has. ``docs/isolation.md`` has the details.
 
     The environment variable COSIM_ENGINE chooses the loop: "native" is compiled on first use, "python" gives the same
     numbers, slower, "auto" (the default) is native if there is a library or a compiler, else Python.
@@ -49,12 +58,17 @@ def simulate(
     check_step(algorithm, step, stop, output_interval)
     loop = loop_name()
     system.check()
+    check_fixed_steps(system, step)
     for component in system.components:
         parameters_of(component)
+    limits = Limits(call_timeout, memory_limit)
     layout = lay_out(system)
     job = Job(system, stop, output_interval, tolerance, step)
-    record = Record.empty(stop, output_interval, layout.recorded, loop)
-    ending = _run_here(job, record, progress)
+    if is_isolated(isolate, system):
+        record, ending = run_isolated(job, layout.recorded, loop, limits, progress)
+    else:
+        record = Record.empty(stop, output_interval, layout.recorded, loop)
+        ending = _run_here(job, record, progress)
     result = _result(layout, record, ending)
     if ending.interrupted:
         raise SimulationInterrupted(ending.message or "", result)

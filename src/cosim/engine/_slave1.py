@@ -49,7 +49,10 @@ class Fmi1Instance(Instance):
         """Terminate and free the instance, unless the FMU has declared itself broken."""
         if self._fatal or not self._slave.component:
             return
+        self.site.enter("Terminate")
         with suppress(FMICallException):
             self._slave.terminate()
+        self.site.enter("FreeInstance")
         self._slave.fmi1FreeSlaveInstance(self._slave.component)
+        self.site.leave()
         self._slave.component = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import Structure, c_double, c_int32, c_int64, c_size_t, c_void_p
+from ctypes import Structure, c_double, c_int32, c_int64, c_size_t, c_uint64, c_void_p
 
 NOWHERE = -1
 """Number of the component while no function of an FMU is running."""
@@ -109,5 +109,17 @@ class Engine(Structure):
     ]
 
 
-SIZES = tuple(ctypes.sizeof(s) for s in (Wire, Group, Trigger, Component, Change, Line, Text, Engine))
+WRONG_ADDRESS, STACK_OVERFLOW = 1, 2
+"""Kinds of a ``Fault``."""
+
+
+class Fault(Structure):
+    """What has ended the process; ``kind`` is 0 if nothing is known."""
+
+    _fields_ = [("address", c_uint64), ("kind", c_int32), ("unused", c_int32)]
+    address: int
+    kind: int
+
+
+SIZES = tuple(ctypes.sizeof(s) for s in (Wire, Group, Trigger, Component, Change, Line, Text, Engine, Fault))
 """Of the structures, in the order in which the library reports its own."""

@@ -28,7 +28,7 @@ UNARY = {
     ca.OP_LOG1P: "log1p({})", ca.OP_EXPM1: "expm1({})", ca.OP_ASINH: "asinh({})", ca.OP_ACOSH: "acosh({})",
     ca.OP_ATANH: "atanh({})", ca.OP_ASSIGN: "{}",
 }  # fmt: skip
-SCALARS = frozenset({"t", "initial"})
+SCALARS = frozenset({"t", "initial", "t_dot"})
 """Arguments of the generated functions that are not arrays."""
 MOST_NAMED = 400
 """An argument that uses more entries than this is indexed in place instead of named."""
@@ -36,6 +36,7 @@ _RESERVED = frozenset(
     """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+    t_dot v_dot u_dot f_dot y_dot t_bar v_bar u_bar p_bar f_bar y_bar r_bar free_bar own A k
     t v u p d c f g J y dz l r ft pre fired initial d_new x_new start interval
     sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt pow fabs floor ceil fmod fmin fmax hypot gamma
     model_sin model_cos model_has_nan

@@ -30,10 +30,11 @@ class CatalogueEntry:
     kind: str
     """"system" or "controller"."""
     model: str
-    """Full Modelica name."""
+    """Full Modelica name; that of the folder if the FMU is written by hand."""
     source: Path
-    """Modelica package folder or file."""
+    """Modelica package folder or file, or the folder of an FMU that is written by hand."""
     description: str
+    by_hand: bool = False
 
     @property
     def fmu_name(self) -> str:
@@ -62,7 +63,14 @@ def names() -> dict[str, CatalogueEntry]:
     folder = data_folder()
     entries = tomllib.loads((folder / "fmus" / "catalogue.toml").read_text(encoding="utf-8"))
     return {
-        name: CatalogueEntry(name, e["kind"], e["model"], folder / e["source"], e["description"])
+        name: CatalogueEntry(
+            name,
+            e["kind"],
+            e.get("model") or Path(e["source"]).name,
+            folder / e["source"],
+            e["description"],
+            by_hand="model" not in e,
+        )
         for name, e in entries.items()
     }
 
@@ -106,6 +114,17 @@ def entry_of(name: str) -> CatalogueEntry:
     )
 
 
+def has(path: Path) -> bool:
+    """Whether this file is the FMU of an entry, where such are built, and up to date."""
+    if path.resolve().parent != build_folder().resolve():
+        return False
+    return any(
+        path.name == file_name(entry.fmu_name, fmi) and _up_to_date(path, _hash(entry), set())
+        for entry in names().values()
+        for fmi in versions_of("both")
+    )
+
+
 def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice, platforms: str = "host") -> list[Path]:
     versions = versions_of(choice)
     paths = {fmi: out / file_name(entry.fmu_name, fmi) for fmi in versions}
@@ -120,7 +139,12 @@ def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice, platforms: str =
         out.mkdir(parents=True, exist_ok=True)
         with FileLock(_lock(out / entry.fmu_name)):
             missing = outdated()  # another process may have built some meanwhile
-            if missing:
+            if missing and entry.by_hand:
+                from cosim.fmu.handwritten import pack_folder
+
+                for version in missing:
+                    pack_folder(entry.source, out, fmi=version, build_hash=wanted, platforms=platforms)
+            elif missing:
                 from cosim.fmu.exporter import export_all
 
                 export_all(
@@ -168,10 +192,19 @@ def _up_to_date(path: Path, wanted: str, folders: set[str]) -> bool:
 def _hash(entry: CatalogueEntry) -> str:
     """Digest of everything the FMU is made from: the model's text, the compiler, the runtime, the tools' versions."""
     digest = hashlib.sha256(entry.model.encode())
+    if entry.by_hand:
+        files = [path for path in sorted(entry.source.iterdir()) if path.suffix in (".c", ".h", ".xml")]
+        files += [_PACKAGE / "fmu" / name for name in ("handwritten.py", "toolchain.py")]
+        return _digest(digest, files)
     files = sorted(entry.source.rglob("*.mo")) + sorted(entry.source.rglob("package.order"))
     files += sorted((_PACKAGE / "fmu" / "runtime").glob("*.[ch]"))
     for folder in ("modelica", "dae", "fmu"):
         files += sorted((_PACKAGE / folder).glob("*.py"))
+    return _digest(digest, files)
+
+
+def _digest(digest: hashlib._Hash, files: Iterable[Path]) -> str:
+    """Add the files and the tools' versions to a digest; return it."""
     for file in files:
         digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
     digest.update(json.dumps(_tool_versions(), sort_keys=True).encode())

@@ -17,7 +17,9 @@ from cosim.dae.symbolic import substitute
 from cosim.fmu.c_expressions import SCALARS, number, print_function
 from cosim.fmu.c_text import WIDTH, comment, function, remark, scope, string, table
 from cosim.fmu.constraint_tables import constraint_sizes, constraint_tables
+from cosim.fmu.derivatives import derivatives, of_parameters, seeds
 from cosim.fmu.discrete_groups import Group, Keeping, group_assignments, is_all_clocked, what_to_keep
+from cosim.fmu.initial_functions import initial_functions
 from cosim.fmu.layout import Layout
 from cosim.fmu.loops import Run, c_expression, find_runs, shared
 
@@ -62,7 +64,9 @@ class _Generator:
             "d_new": [f"new_{name}" for name in discretes],
             "kept": [f"pre_{discretes[k]}" for k in self._keeping.place],
         }
-        self._arguments: dict[str, SX] = {
+        self._seeds = seeds(dae, len(layout.outputs))
+        self._labels |= {name: [f"{name}_{k}" for k in range(seed.numel())] for name, seed in self._seeds.items()}
+        self._arguments: dict[str, SX] = self._seeds | {
             "t": dae.time,
             "v": dae.v,
             "u": _column([s.symbol for s in dae.inputs]),
@@ -88,6 +92,7 @@ class _Generator:
         values["ALL_CLOCKED"] = int(self._all_clocked)
         values["HAS_TIME_RELATIONS"] = int(any(r.slope for r in dae.relations))
         values["TERMINAL"] = next((k for k, clock in enumerate(dae.clocks) if clock.terminal), -1)
+        values["HAS_DERIVATIVES"] = 1
         values["HAS_SWEEP"] = int(self._swept is not None)
         lines = [f"/* Sizes of {dae.name}. */", "#ifndef COSIM_MODEL_SIZES_H", "#define COSIM_MODEL_SIZES_H", ""]
         lines += [f"#define MODEL_{name} {value}" for name, value in values.items()]
@@ -113,13 +118,10 @@ class _Generator:
         relations = "; ".join(f"{k}: {r.text}" for k, r in enumerate(dae.relations))
         indicators = _column([r.indicator for r in dae.relations])
         parts += self._continuous("model_indicators", {"g": indicators}, relations)
-        r = dae.initial_residuals
-        initial = "; ".join(dae.initial_texts)
-        parts += self._continuous("model_initial_residual", {"r": r}, initial)
-        parts += self._continuous("model_initial_jacobian", {"J": ca.jacobian(r, dae.v)}, "dr/dv, column by column")
         parts += self._continuous("model_outputs", {"y": _column(self._layout.outputs)}, "")
         parts += self._sweep()
         parts += self._continuous("model_locals", {"l": _column(self._layout.locals)}, "")
+        parts += self._derivatives()
         parts += self._assertions()
         parts += self._discrete()
         if dae.constraints:
@@ -204,12 +206,14 @@ class _Generator:
 
     # functions of the continuous arguments
 
-    def _continuous(self, name: str, results: Mapping[str, SX], about: str) -> list[str]:
-        """A function of the continuous arguments; its results go to the arrays of these names."""
-        arrays = ", ".join(f"double *{result}" for result in results)
-        unused = "".join(f", (void){result}" for result in results)
+    def _continuous(self, name: str, results: Mapping[str, SX], about: str, seeds: Sequence[str] = ()) -> list[str]:
+        """A function of the continuous arguments and of seeds; its results go to the arrays of these names."""
+        given = [f"double {seed}" if seed in SCALARS else f"const double *{seed}" for seed in seeds]
+        arrays = ", ".join([*given, *(f"double *{result}" for result in results)])
+        unused = "".join(f", (void){argument}" for argument in [*seeds, *results])
         head = f"void {name}(MODEL_CONTINUOUS_ARGUMENTS, {arrays})"
-        body = [f"{_UNUSED.strip()[:-1]}{unused};", *self._body(_CONTINUOUS, list(results.items()))]
+        head = "\n".join(textwrap.wrap(head, WIDTH, subsequent_indent=" " * (len(name) + 6)))
+        body = [f"{_UNUSED.strip()[:-1]}{unused};", *self._body([*_CONTINUOUS, *seeds], list(results.items()))]
         lines = function(head, body)
         return [*remark(comment(about)), *lines] if about else lines
 
@@ -220,6 +224,16 @@ class _Generator:
         z = self._dae.z
         outputs = ca.substitute(_column(self._layout.outputs), z, self._swept)
         return self._continuous("model_sweep", {"dz": self._swept - z, "y": outputs}, "corrections of z, then outputs")
+
+    def _derivatives(self) -> list[str]:
+        outputs = _column(self._layout.outputs)
+        found = derivatives(self._dae, outputs, self._arguments, self._seeds)
+        lines = [line for d in found for line in self._continuous(d.name, d.results, d.about, d.seeds)]
+        lines += initial_functions(self._dae, self._arguments, self._seeds["r_bar"], self._body)
+        free = of_parameters(self._dae, self._seeds["p_bar"])
+        body = ["(void)p, (void)p_bar, (void)free_bar;", *self._body(["p", "p_bar"], [("free_bar", free)])]
+        head = "void model_parameters_reverse(const double *p, const double *p_bar, double *free_bar)"
+        return [*lines, *remark("weights of the independent parameters from those of all"), *function(head, body)]
 
     def _assertions(self) -> list[str]:
         checks = self._dae.checks

@@ -51,13 +51,24 @@ def group_assignments(dae: Dae) -> list[Group]:
 
 
 def is_all_clocked(dae: Dae) -> bool:
-    """Whether a discrete model stands still but for the ticks of its clocks."""
+    """Whether one pass over the discrete equations is a whole event, as nothing but ticks and inputs changes them.
+
+    So it is if each equation waits for a tick, or follows at once from inputs and other variables, such as a Boolean
+    that one block hands on to the next: from nothing that is over after the event, as a tick and ``pre`` are.
+    """
     still = {clock.fired.name(): SX(0.0) for clock in dae.clocks}
-    guards = (assignment.guard for assignment in dae.assignments)
+    over = {symbol.name() for symbol in dae.pre.values()} | set(still)
+
+    def at_once(assignment: Assignment) -> bool:
+        return assignment.guard is None and not over & {s.name() for s in ca.symvar(assignment.values)}
+
+    def on_a_tick(assignment: Assignment) -> bool:
+        return assignment.guard is not None and substitute(assignment.guard, still).is_zero()
+
     return (
         not dae.unknowns
         and not dae.relations
-        and all(guard is not None and substitute(guard, still).is_zero() for guard in guards)
+        and all(at_once(assignment) or on_a_tick(assignment) for assignment in dae.assignments)
     )
 
 

@@ -20,6 +20,7 @@ from cosim.fmu.codegen import generate
 from cosim.fmu.description import describe
 from cosim.fmu.description2 import describe2
 from cosim.fmu.layout import lay_out
+from cosim.fmu.provenance import remember
 from cosim.fmu.toolchain import RUNTIME, Platform, chosen, compile_library, fmi_headers, runtime_sources
 from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
 from cosim.modelica import Source, check_units, flatten, refuse_mismatches
@@ -104,7 +105,6 @@ def pack(
     token = _token(sources, description)
     sources = {name: text.replace(_TOKEN, token) for name, text in sources.items()}
     description = description.replace(_TOKEN.encode(), token.encode())
-    out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="cosim-build-") as temporary:
         folder = Path(temporary)
         for name, text in sources.items():
@@ -129,12 +129,19 @@ def pack(
             BUILD_RECORD: _record(dae, build_hash),
             "documentation/licenses/LICENSE.txt": (RUNTIME / "LICENSE").read_bytes(),
         }
-        handle, name = tempfile.mkstemp(prefix=f".{identifier}-", suffix=".part", dir=out)
-        with os.fdopen(handle, "wb") as stream:
-            _zip(stream, files)
-    path = out / file_name(identifier, fmi)
-    Path(name).chmod(0o644)
-    Path(name).replace(path)
+    return write_archive(out, file_name(identifier, fmi), files)
+
+
+def write_archive(out: Path, name: str, files: dict[str, bytes]) -> Path:
+    """Write an .fmu file of this name beside its place and move it there; its path."""
+    out.mkdir(parents=True, exist_ok=True)
+    handle, part = tempfile.mkstemp(prefix=f".{name}-", suffix=".part", dir=out)
+    with os.fdopen(handle, "wb") as stream:
+        _zip(stream, files)
+    path = out / name
+    Path(part).chmod(0o644)
+    Path(part).replace(path)
+    remember(path)
     return path
 
 

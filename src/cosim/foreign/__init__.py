@@ -1,5 +1,6 @@
 """Reads the model descriptions that other tools write, also those that break the schema where it does no harm."""
 
-from cosim.foreign._read import RUN_CHECK, Reading, read_description
+from cosim.foreign._mend import Amiss
+from cosim.foreign._read import NAME, RUN_CHECK, Reading, read_description
 
-__all__ = ["RUN_CHECK", "Reading", "read_description"]
+__all__ = ["NAME", "RUN_CHECK", "Amiss", "Reading", "read_description"]

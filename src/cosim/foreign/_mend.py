@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 from attrs import fields
 from fmpy.model_description import Item, SimpleType
@@ -30,16 +31,28 @@ _SHOWN = 3
 _NO_TYPE_ATTRIBUTES = frozenset(("name", "description"))
 
 
-def mend(root: etree._Element) -> list[str]:
+class Amiss(NamedTuple):
+    """What was amiss with a description, in a sentence; ``id`` is "references" for what refers to nothing."""
+
+    id: str
+    text: str
+
+    def __str__(self) -> str:
+        """Return the sentence."""
+        return self.text
+
+
+def mend(root: etree._Element) -> list[Amiss]:
     """Mend a model description in place; return what was amiss, one sentence for each kind."""
-    amiss: list[str] = []
+    amiss: list[Amiss] = []
     for rule in _RULES:
         where: dict[str, list[str]] = {}
         for what, place in rule(root):
             where.setdefault(what, []).append(place)
         for what, places in where.items():
             more = f" and {len(places) - _SHOWN} more" if len(places) > _SHOWN else ""
-            amiss.append(f"{what}: {', '.join(places[:_SHOWN])}{more}")
+            kind = "references" if rule in (_structure, _derivatives) else "vendor"
+            amiss.append(Amiss(kind, f"{what}: {', '.join(places[:_SHOWN])}{more}"))
     return amiss
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import zipfile
 from typing import NamedTuple
 
@@ -12,19 +13,22 @@ from lxml import etree
 
 from cosim.archive import Archive, utf8_of
 from cosim.errors import FmuError
-from cosim.foreign._mend import mend
+from cosim.foreign._mend import Amiss, mend
 
 NAME = "modelDescription.xml"
 SOURCES = "sources/buildDescription.xml"
+MOST_ELEMENTS = 1_000_000
+"""More elements of arrays than this are refused: a dimension is quickly written, and each element takes memory."""
+
 RUN_CHECK = "run `cosim check` for all that is wrong with it"
 
 
 class Reading(NamedTuple):
-    """A model description, the XML it was read from (UTF-8, mended), and what was amiss with it, in sentences."""
+    """A model description, the XML it was read from (UTF-8, mended), and what was amiss with it, by rule."""
 
     description: ModelDescription
     xml: bytes
-    amiss: tuple[str, ...]
+    amiss: tuple[Amiss, ...]
 
 
 def read_description(archive: Archive) -> Reading:
@@ -41,16 +45,20 @@ def read_description(archive: Archive) -> Reading:
         sources, amiss_there = utf8_of(archive.read(SOURCES), f"its {SOURCES}") if SOURCES in archive else (None, [])
     except FmuError as error:
         raise error if error.file else FmuError(str(error), file=archive.path) from error
-    amiss = [f"{NAME} {what}" for what in amiss] + [f"{SOURCES} {what}" for what in amiss_there]
+    told = [f"{NAME} {what}" for what in amiss] + [f"{SOURCES} {what}" for what in amiss_there]
     if archive.dotted:
-        amiss.append("its files are packed with './' in front of their names")
+        told.append("its files are packed with './' in front of their names")
+    found = [Amiss("vendor", what) for what in told]
     try:
         root = etree.fromstring(xml, etree.XMLParser(remove_comments=True, remove_pis=True))
-        amiss += mend(root)
+        found += mend(root)
         description = fmpy.read_model_description(_packed(etree.tostring(root), sources), validate=False)
     except Exception as error:  # fmpy meets what is wrong with all kinds of exceptions
         raise FmuError(f"its {NAME} cannot be read: {error}; {RUN_CHECK}", file=archive.path) from error
-    return Reading(description, xml, tuple(amiss))
+    elements = sum(math.prod(variable.shape) for variable in description.modelVariables)
+    if elements > MOST_ELEMENTS:
+        raise FmuError(f"its arrays have {elements} elements; {MOST_ELEMENTS} are accepted", file=archive.path)
+    return Reading(description, xml, tuple(found))
 
 
 def _elsewhere(archive: Archive) -> str:

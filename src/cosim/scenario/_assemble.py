@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from cosim.engine import Channel, Component, Connection, Fmu, System
 from cosim.errors import InputError
-from cosim.scenario._model import Column, Scenario, ScenarioWarning, Setting
-from cosim.scenario._names import End, dotted, find_end, resolve
+from cosim.scenario._connectors import connector_channels
+from cosim.scenario._model import Column, Scenario, ScenarioWarning, Setting, is_structure
+from cosim.scenario._names import End, dotted, find_end, regrouped, resolve
 from cosim.scenario._values import channel_values, check_range, connection_map, parameter_value
+from cosim.ssp import Input, read_ssp, start_values
 from cosim.units import convert, parse
 
 Locate = Callable[[str], Path]
@@ -23,10 +26,14 @@ def assemble(scenario: Scenario, locate: Locate) -> System:
     """Build the system that a scenario describes: ``plant``, ``controller`` unless none, connections and channels.
 
     FMUs are named by their path, relative to the scenario's folder, or by a name for ``locate``. Outputs and inputs of
-    the same name are connected unless a ``map`` line says otherwise. Channels and parameters come out in the FMUs'
-    units. Raises `InputError` with file, line and column for what does not fit the FMUs; warns with `ScenarioWarning`
-    about a ``sample_time`` that nothing uses, and units of an FMU that are not understood.
+    the same name are connected unless a ``map`` line says otherwise. A system structure (.ssp, .ssd) brings components
+    and connections of its own; channels drive its input connectors, or inputs that it leaves free. Channels and
+    parameters come out in the FMUs' units. Raises `InputError` with file, line and column for what does not fit the
+    FMUs; warns with `ScenarioWarning` about a ``sample_time`` that nothing uses, values of an SSP that set nothing, and
+    units of an FMU that are not understood.
     """
+    if is_structure(scenario.system):
+        return _checked(_assemble_structure(scenario), scenario)
     components = [Component("plant", _load(scenario, "system", scenario.system, locate))]
     if scenario.controller is not None:
         components.append(Component("controller", _load(scenario, "controller", scenario.controller, locate)))
@@ -35,6 +42,35 @@ def assemble(scenario: Scenario, locate: Locate) -> System:
     _set_sample_time(scenario, components, settings.get(("controller", "T_sample")))
     system.connections = _connections(scenario, components)
     system.channels = _channels(scenario, components, system.connections)
+    return _checked(system, scenario)
+
+
+def _assemble_structure(scenario: Scenario) -> System:
+    """Return the system that an SSP describes, with the scenario's parameters, connections and channels added to it."""
+    line = scenario.key_lines.get("system")
+    if scenario.controller is not None:
+        raise InputError(
+            f"the components of '{scenario.system}' are all in it; take the 'controller' out",
+            file=scenario.path,
+            line=scenario.key_lines.get("controller"),
+        )
+    try:
+        imported = read_ssp(_path_of(scenario, "system", scenario.system))
+    except InputError as error:
+        raise _located(error, scenario, line) from error
+    for note in imported.notes:
+        warnings.warn(note, ScenarioWarning, stacklevel=3)
+    components = imported.components
+    settings = _set_parameters(scenario, components)
+    if "sample_time" in scenario.key_lines:
+        _set_sample_time(scenario, components, settings.get(("controller", "T_sample")))
+    connections = [*imported.connections, *_links(scenario, components)]
+    channels = _channels(scenario, components, connections, imported.inputs)
+    connected = {connection.target for connection in connections}
+    return System(components, connections, start_values(imported, channels, connected))
+
+
+def _checked(system: System, scenario: Scenario) -> System:
     try:
         system.check()
     except InputError as error:
@@ -51,23 +87,22 @@ def _located(error: InputError, scenario: Scenario, line: int | None = None, col
 
 def _load(scenario: Scenario, key: str, name: str, locate: Locate) -> Fmu:
     line = scenario.key_lines.get(key)
-    kind = Path(name).suffix.lower()
-    if kind in (".ssd", ".ssp"):
-        raise InputError(
-            f"'{name}': this version does not read SSP systems yet; give a built-in name or the path of an .fmu",
-            file=scenario.path,
-            line=line,
-        )
     try:
-        if kind != ".fmu":
+        if is_structure(name):
+            raise InputError(f"'{name}' is a whole system; give it as 'system', without a controller")
+        if Path(name).suffix.lower() != ".fmu":
             return Fmu.read(locate(name))
-        # A path in the file is meant from the file, one in an option from where the user stands.
-        path = (Path() if line is None else scenario.path.parent) / Path(name).expanduser()
+        path = _path_of(scenario, key, name)
         if not path.is_file():
             raise InputError(f"there is no FMU '{path}'")
         return Fmu.read(path)
     except InputError as error:
         raise _located(error, scenario, line) from error
+
+
+def _path_of(scenario: Scenario, key: str, name: str) -> Path:
+    """Return the path that a key gives: one in the file is meant from the file, one in an option from where we are."""
+    return (Path() if scenario.key_lines.get(key) is None else scenario.path.parent) / Path(name).expanduser()
 
 
 def _set_parameters(scenario: Scenario, components: list[Component]) -> dict[End, Setting]:
@@ -138,18 +173,25 @@ def _set_sample_time(scenario: Scenario, components: list[Component], setting: S
         )
 
 
-def _connections(scenario: Scenario, components: list[Component]) -> list[Connection]:
+def _links(scenario: Scenario, components: list[Component]) -> list[Connection]:
+    """Return the connections of the ``map`` lines."""
     connections: list[Connection] = []
     for link in scenario.links:
+        source_end, target_end = (regrouped(end, components) for end in (link.source, link.target))
         try:
-            source = find_end(link.source, components, "output")
-            target = find_end(link.target, components, "input")
-            if any(link.target == connection.target for connection in connections):
-                raise InputError(f"'{dotted(link.target)}' is connected a second time; an input has one source")
-            factor, offset = connection_map(dotted(link.source), source, dotted(link.target), target)
+            source = find_end(source_end, components, "output")
+            target = find_end(target_end, components, "input")
+            if any(target_end == connection.target for connection in connections):
+                raise InputError(f"'{dotted(target_end)}' is connected a second time; an input has one source")
+            factor, offset = connection_map(dotted(source_end), source, dotted(target_end), target)
         except InputError as error:
             raise InputError(str(error), file=scenario.path, line=link.line) from error
-        connections.append(Connection(link.source, link.target, factor, offset))
+        connections.append(Connection(source_end, target_end, factor, offset))
+    return connections
+
+
+def _connections(scenario: Scenario, components: list[Component]) -> list[Connection]:
+    connections = _links(scenario, components)
     mapped = {connection.target for connection in connections}
     for source_end, target_end in _same_names(components):
         if target_end in mapped:
@@ -191,15 +233,26 @@ def _listed(component: Component) -> str:
     return " and ".join(names)
 
 
-def _channels(scenario: Scenario, components: list[Component], connections: list[Connection]) -> list[Channel]:
+def _channels(
+    scenario: Scenario,
+    components: list[Component],
+    connections: list[Connection],
+    inputs: Mapping[str, Input] = MappingProxyType({}),
+) -> list[Channel]:
+    """Return the columns as channels; ``inputs`` are connectors of the whole system, which may drive several each."""
     driven: dict[End, str] = {connection.target: f"by {dotted(connection.source)}" for connection in connections}
     channels: list[Channel] = []
     for column in scenario.columns:
         try:
-            channels.append(_channel(scenario, column, components, driven))
+            found = (
+                connector_channels(scenario.path, column, inputs[column.name], components, driven)
+                if column.name in inputs
+                else [_channel(scenario, column, components, driven)]
+            )
         except InputError as error:
             raise _located(error, scenario, column.line, column.position) from error
-        driven[channels[-1].target] = f"in column {column.position}"
+        channels += found
+        driven |= {channel.target: f"in column {column.position}" for channel in found}
     return channels
 
 

@@ -116,7 +116,7 @@ def _take(keys: Keys, key: str, value: str, place: _Place) -> None:
 
 
 _EXPECTED = {
-    "system": "write a built-in plant such as linkage, or the path of an .fmu",
+    "system": "write a built-in plant such as linkage, or the path of an .fmu, .ssp or .ssd",
     "controller": "write voltage_profile, another built-in controller, the path of an .fmu, or none",
     "stop": "write a time such as 25 s",
     "sample_time": "write a time such as 20 ms",

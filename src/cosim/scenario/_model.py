@@ -69,6 +69,11 @@ class Scenario:
     key_lines: dict[str, int | None] = field(default_factory=dict)
 
 
+def is_structure(system: str) -> bool:
+    """Tell whether a system is an ``.ssp``, one of several structures in it (``x.ssp#Y.ssd``), or an ``.ssd``."""
+    return Path(system).suffix.lower() in (".ssp", ".ssd")
+
+
 def suggestion(name: str, known: Sequence[str]) -> str:
     """Return `, did you mean 'x'?` for a near miss, else an empty text.
 

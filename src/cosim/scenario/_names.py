@@ -29,11 +29,10 @@ def resolve(name: str, components: Sequence[Component], wanted: str) -> tuple[En
 
     Raises `InputError` for a name that is unknown, means several variables, or is of another causality.
     """
-    head, _, tail = name.partition(".")
     found = [
         ((component.name, own), component.fmu.variables[own])
         for component in components
-        for own in ({tail} if component.name == head else set[str]()) | {name}
+        for own in {name, name.removeprefix(f"{component.name}.")}
         if own in component.fmu.variables
     ]
     fitting = [(end, variable) for end, variable in found if variable.causality in _CAUSALITIES[wanted]]
@@ -44,9 +43,17 @@ def resolve(name: str, components: Sequence[Component], wanted: str) -> tuple[En
         return fitting[0]
     if found:
         raise _wrong_causality(*found[0], components, wanted)
-    known = _known([c for c in components if c.name == head] or components, wanted)
+    known = _known([c for c in components if name.startswith(f"{c.name}.")] or components, wanted)
     what = {"input": "channel", "parameter": "parameter"}[wanted]
     raise InputError(f"unknown {what} '{name}'{suggestion(name, known)}; {_listing(known, wanted)}")
+
+
+def regrouped(end: End, components: Sequence[Component]) -> End:
+    """Return an end that was split at its first dot, split behind the name of a component, which may have dots."""
+    name = dotted(end)
+    owners = [component.name for component in components if name.startswith(f"{component.name}.")]
+    owner = max(owners, key=len, default=end[0])
+    return owner, name.removeprefix(f"{owner}.")
 
 
 def find_end(end: End, components: Sequence[Component], wanted: str) -> Variable:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cosim.errors import InputError
 from cosim.scenario._keys import Keys, missing, override, parse_keys
-from cosim.scenario._model import Column, Scenario, suggestion
+from cosim.scenario._model import Column, Scenario, is_structure, suggestion
 from cosim.scenario._table import Table, load
 from cosim.units import Unit, compatible, convert, parse
 
@@ -34,10 +34,11 @@ def read(path: Path | str, settings: Sequence[str] = ()) -> Scenario:
         override(keys, option)
     times = _times(table)
     columns = _mark_linear(table, keys, _columns(table, times))
-    for key in ("system", "controller"):
-        if key not in keys.texts:
-            raise table.error(missing(key))
-    controller = keys.texts["controller"]
+    if "system" not in keys.texts:
+        raise table.error(missing("system"))
+    if "controller" not in keys.texts and not is_structure(keys.texts["system"]):
+        raise table.error(missing("controller"))
+    controller = keys.texts.get("controller", "none")
     scenario = Scenario(
         path=table.path,
         title=keys.texts.get("title", ""),

@@ -1,5 +1,6 @@
 """Reproduces figures and tables of the source (P. Fjellander, KTH 2018) from simulations."""
 
 from cosim.thesis._reproduce import Reproduction, reproduce
+from cosim.thesis._same_rate import Pair, same_rate
 
-__all__ = ["Reproduction", "reproduce"]
+__all__ = ["Pair", "Reproduction", "reproduce", "same_rate"]

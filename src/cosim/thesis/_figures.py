@@ -32,12 +32,14 @@ STATE_NAMES = {
 
 def system_performance(run: RigRun, path: Path) -> None:
     """Figures 4.9 to 4.18: filtered current on the left, motor voltage and park signal in percent on the right."""
-    time = run.result.time
+    shown = run.result.time <= 10.0
+    time = run.result.time[shown]
+    columns = {name: values[shown] for name, values in run.result.columns.items()}
     figure, (axes,) = canvas(f"System performance, {run.load} load")
     right = axes.twinx()
-    right.plot(time, 100.0 * run.result.columns["plant.park"], color=GREY, linewidth=0.8, label="Park signal [%]")
-    right.plot(time, 100.0 * run.result.columns["controller.duty"], color=RED, linewidth=1.0, label="Motor voltage [%]")
-    axes.plot(time, run.result.columns["controller.i_filtered"], color=BLUE, linewidth=1.6, label="Motor current [A]")
+    right.plot(time, 100.0 * columns["plant.park"], color=GREY, linewidth=0.8, label="Park signal [%]")
+    right.plot(time, 100.0 * columns["controller.duty"], color=RED, linewidth=1.0, label="Motor voltage [%]")
+    axes.plot(time, columns["controller.i_filtered"], color=BLUE, linewidth=1.6, label="Motor current [A]")
     # a little more than the source's 3 A and 100 %, so that full voltage is seen
     axes.set(xlim=(0, 10), ylim=(0, 3.06), xlabel="Time [s]", ylabel="Current [A]", xticks=range(11))
     right.set(ylim=(0, 102), ylabel="Ratio [%]", yticks=range(0, 101, 10))

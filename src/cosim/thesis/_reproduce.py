@@ -4,40 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from cosim.assessment import Rules
 from cosim.engine import Fmu
+from cosim.thesis import _claim_figures as claim_figures
 from cosim.thesis import _figures as figures
+from cosim.thesis._claims import Finding, judge
+from cosim.thesis._evidence import gather
 from cosim.thesis._kinematics import drawing
 from cosim.thesis._measured import read_measured
+from cosim.thesis._numbers import NUMBERS
+from cosim.thesis._page import claims_page, thesis_page
 from cosim.thesis._parameters import parameters, write_parameters
-from cosim.thesis._pwm import pwm_runs
 from cosim.thesis._readings import chosen
-from cosim.thesis._runs import FULL_STOP, Locate, RigRun, linkage_runs, profile_run, rig_runs
+from cosim.thesis._runs import Locate, RigRun
 from cosim.thesis._table import write_readings, write_table
-
-NUMBERS = {
-    (0.001, "normal"): "4_9",
-    (0.001, "disturbed"): "4_10",
-    (0.002, "normal"): "4_11",
-    (0.002, "disturbed"): "4_12",
-    (0.010, "normal"): "4_13",
-    (0.010, "disturbed"): "4_14",
-    (0.020, "normal"): "4_15",
-    (0.020, "disturbed"): "4_16",
-    (0.050, "normal"): "4_17",
-    (0.050, "disturbed"): "4_18",
-}
-"""The source's figures of the rig, by sampling time [s] and load."""
 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What was made: the files in the order of the source, and the runs of the rig with their scores."""
+    """What was made: the files, the runs of the rig with their scores, and what was found of the source's claims."""
 
     files: tuple[Path, ...]
     rig: tuple[RigRun, ...]
+    findings: tuple[Finding, ...]
 
 
 def reproduce(
@@ -64,30 +56,37 @@ def reproduce(
         CosimError: an FMU cannot be built, or a simulation fails.
     """
     curve = None if measured is None else read_measured(measured)
-    reading = chosen(rules)
     out.mkdir(parents=True, exist_ok=True)
+    locate = cache(locate)  # it looks each time whether the FMU is up to date
+    evidence = gather(scenarios, locate, chosen(rules), say)
     files: list[Path] = []
 
     def place(name: str) -> Path:
         files.append(out / name)
         return files[-1]
 
-    say("the linkage")
-    linkage = linkage_runs(scenarios, locate)
+    say("the pictures")
     figures.wiper_system(drawing(Fmu.read(locate("linkage"))), place("wiper_system.png"))
-    figures.passenger_side(linkage, place("figure_3_5.png"))
-    figures.motor_torque(linkage, curve, place("figure_3_6.png"))
-    figures.voltage_profile(profile_run(locate), place("figure_3_12.png"))
-    say("figure 4.8, the switched bridge")
-    pwm = pwm_runs(scenarios, locate)
-    figures.pulse_width(pwm, place("figure_4_8.png"))
-    figures.pulse_width_means(pwm, place("figure_4_8_means.png"))
-    say("figures 4.9 to 4.18 and table 4.1")
-    rig = rig_runs(scenarios, locate)
-    for run in rig:
+    claim_figures.acceleration(evidence, place("figure_1_1.png"))
+    figures.passenger_side(evidence.linkage, place("figure_3_5.png"))
+    figures.motor_torque(evidence.linkage, curve, place("figure_3_6.png"))
+    figures.voltage_profile(evidence.profile, place("figure_3_12.png"))
+    figures.pulse_width(evidence.pwm, place("figure_4_8.png"))
+    figures.pulse_width_means(evidence.pwm, place("figure_4_8_means.png"))
+    for run in evidence.rig:
         figures.system_performance(run, place(f"figure_{NUMBERS[run.sample_time, run.load]}.png"))
-    write_table(rig, reading, place("table_4_1.csv"))
-    charts = {"Ts/2": rig, "Ts": rig_runs(scenarios, locate, FULL_STOP)}
-    write_readings(charts, reading, place("table_4_1_readings.csv"))
-    write_parameters(parameters(scenarios, locate), place("parameters.csv"))
-    return Reproduction(tuple(files), tuple(rig))
+    claim_figures.vibration(evidence, place("claim_vibration.png"))
+    claim_figures.load(evidence, place("claim_load.png"))
+    claim_figures.sampling(evidence, place("claim_sampling.png"))
+    claim_figures.disturbance(evidence, place("claim_disturbance.png"))
+
+    say("the tables and pages")
+    write_table(evidence.rig, evidence.reading, place("table_4_1.csv"))
+    charts = {"Ts/2": evidence.rig, "Ts": evidence.rig_full_stop}
+    write_readings(charts, evidence.reading, place("table_4_1_readings.csv"))
+    table = parameters(scenarios, locate)
+    write_parameters(table, place("parameters.csv"))
+    findings = judge(evidence)
+    place("thesis.md").write_text(thesis_page(evidence, findings, table, curve), encoding="utf-8")
+    place("claims.md").write_text(claims_page(findings), encoding="utf-8")
+    return Reproduction(tuple(files), tuple(evidence.rig), tuple(findings))

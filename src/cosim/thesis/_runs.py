@@ -53,6 +53,11 @@ def rig_runs(scenarios: Path, locate: Locate, *settings: str) -> list[RigRun]:
     return runs
 
 
+def preset_run(scenarios: Path, locate: Locate) -> Result:
+    """The rig's first two revolutions, with half a revolution preset so that the first park signal is predicted."""
+    return scenario_run(scenarios / "rig_20ms.csv", locate, "controller.T_default=1.045 s", "stop=5 s")
+
+
 def linkage_runs(scenarios: Path, locate: Locate) -> dict[str, Result]:
     """The linkage at full voltage with the naive load of figure 3.4 and with the simple one of equation 3.1."""
     file = scenarios / "linkage_full_voltage.csv"

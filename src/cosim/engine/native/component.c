@@ -34,6 +34,20 @@ OFTEN bool do_step(Engine *engine, Component *component, double t, double h) {
     return true;
 }
 
+/* A component that takes steps of one length only: a step has the inputs of its beginning. */
+static bool begin_fixed_step(Engine *engine, Component *component, double now) {
+    return fabs(now - component->time) > SAME_INSTANT || write_inputs(engine, component);
+}
+
+/* What it puts out at the end holds until the next step has ended. */
+static bool end_fixed_step(Engine *engine, Component *component, double t) {
+    if (t < component->due - SAME_INSTANT) return true;
+    if (!do_step(engine, component, component->time, component->period)) return false;
+    component->time = component->due;
+    component->due = (double)(++component->ticks + 1) * component->period;
+    return read_outputs(engine, component, true);
+}
+
 /* Bring a component with event mode to t, where it may turn out to need an event. */
 static bool carry(Engine *engine, Component *component, double t) {
     if (t > component->time) {

@@ -3,6 +3,7 @@
  * The engine is one translation unit, so that the compiler sees through all calls of its inner loop but those of the
  * FMUs; this file is what is compiled.
  */
+#define _XOPEN_SOURCE 700
 #include "engine.h"
 
 /* The record of why a run ended early; Python makes the message of it. */
@@ -25,3 +26,4 @@ OFTEN void enter(Engine *engine, const Component *component, int32_t function) {
 #include "channels.c"
 #include "record.c"
 #include "loop.c"
+#include "faults.c"

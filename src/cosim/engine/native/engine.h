@@ -82,10 +82,10 @@ typedef struct {
     const Trigger *triggers;
     int64_t n_inputs, n_triggers;
     int64_t n_outputs[2]; /* those with a connected variable come first */
-    double period;    /* of a sampled component */
-    double due;       /* its next event or sample, infinite if there is none */
-    double time;      /* up to which it has been stepped; discrete components only */
-    int64_t ticks;    /* samples taken */
+    double period;    /* of a sampled component, or of a continuous one with steps of one length; else infinite */
+    double due;       /* its next event or sample, or the end of its fixed step, infinite if there is none */
+    double time;      /* up to which it has been stepped; not for continuous components with steps of any length */
+    int64_t ticks;    /* samples or fixed steps taken */
     int64_t steps;    /* doStep calls */
     int64_t events;   /* instants with an event */
     int32_t fmi;      /* 1, 2 or 3 */
@@ -166,6 +166,14 @@ typedef struct {
     int32_t unused;
     Failure failure;
 } Engine;
+
+typedef enum { NO_FAULT, WRONG_ADDRESS, STACK_OVERFLOW } FaultKind;
+
+/* What has ended the process. */
+typedef struct {
+    uint64_t address;
+    int32_t kind, unused;
+} Fault;
 
 typedef enum { UNFINISHED, FINISHED, BROKEN } Outcome;
 

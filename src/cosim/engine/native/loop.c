@@ -37,9 +37,16 @@ static bool exchange(Engine *engine, double t, bool recording) {
 /* Step the continuous components from now to t, each with what those before it have just put out. */
 static bool advance(Engine *engine, double t, bool recording) {
     const double now = engine->at.now, h = t - now;
-    if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
     Component *const end = engine->continuous + engine->n_continuous;
     for (Component *component = engine->continuous; component < end; component++) {
+        if (component->due < INFINITY && !begin_fixed_step(engine, component, now)) return false;
+    }
+    if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
+    for (Component *component = engine->continuous; component < end; component++) {
+        if (component->due < INFINITY) {
+            if (!end_fixed_step(engine, component, t)) return false;
+            continue;
+        }
         if (!write_inputs(engine, component) || !do_step(engine, component, now, h) ||
             !read_outputs(engine, component, recording)) {
             return false;
@@ -57,6 +64,9 @@ static bool go_on(Engine *engine) {
     double due = INFINITY;
     for (const Component *component = engine->discrete; component < end; component++) {
         if (component->due < due) due = component->due;
+    }
+    for (int64_t i = 0; i < engine->n_continuous; i++) {
+        if (engine->continuous[i].due < due) due = engine->continuous[i].due;
     }
     const double instant = due <= change + SAME_INSTANT ? due : change;
     bool exchanging = instant <= row + SAME_INSTANT;
@@ -131,7 +141,7 @@ EXPORT int cosim_run(Engine *engine, double limit) {
 }
 
 /* Sizes of the structures, so that whoever fills them in can check that he means the same. */
-EXPORT void cosim_sizes(int64_t sizes[8]) {
+EXPORT void cosim_sizes(int64_t sizes[9]) {
     sizes[0] = sizeof(Wire);
     sizes[1] = sizeof(Group);
     sizes[2] = sizeof(Trigger);
@@ -140,4 +150,5 @@ EXPORT void cosim_sizes(int64_t sizes[8]) {
     sizes[5] = sizeof(Line);
     sizes[6] = sizeof(Text);
     sizes[7] = sizeof(Engine);
+    sizes[8] = sizeof(Fault);
 }

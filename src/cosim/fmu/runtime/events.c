@@ -116,8 +116,8 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
                            text[0] ? "the relations " : "the discrete variables", text);
 }
 
-/* Of a model that changes with its clocks only, one pass over the discrete equations is the whole event. It overwrites
- * them where they are: a long filter would cost more to copy than to compute. */
+/* Of a model that changes with clocks and inputs only, one pass over the discrete equations is the whole event. It
+ * overwrites them where they are: a long filter would cost more to copy than to compute. */
 static int tick(Simulation *m, const double *fired)
 {
     State *s = &m->s;
@@ -243,7 +243,7 @@ static int happen(Simulation *m, double *fired, int ticks, int *reinitialised)
     m->have = 0;
     if (MODEL_ALL_CLOCKED) {
         s->event_due = 0;
-        return (!ticks || tick(m, fired)) && simulation_check_assertions(m);
+        return tick(m, fired) && simulation_check_assertions(m);
     }
     if (!iterate(m, fired, &discontinuous, &reinit)) return 0;
     s->event_due = 0;

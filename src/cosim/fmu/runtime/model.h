@@ -37,6 +37,11 @@
 #define MODEL_HAS_SWEEP 0
 #endif
 
+/* 1 if there are the functions of directional and adjoint derivatives. */
+#ifndef MODEL_HAS_DERIVATIVES
+#define MODEL_HAS_DERIVATIVES 0
+#endif
+
 #define MODEL_NV (MODEL_NX + MODEL_NZ)
 /* C has no arrays of length zero. */
 #define MODEL_ROOM(n) ((n) > 0 ? (n) : 1)
@@ -51,7 +56,6 @@ typedef enum {
     STORE_DISCRETE,   /* d[index] */
     STORE_OUTPUT,     /* model_outputs, y[index] */
     STORE_LOCAL,      /* model_locals, l[index] */
-    STORE_INDICATOR,  /* the event indicator of relation `index` */
     STORE_COUNTER     /* what the solver has done so far: a ModelCounter, read as UInt64 */
 } ModelStore;
 
@@ -157,6 +161,20 @@ void model_locals(MODEL_CONTINUOUS_ARGUMENTS, double *l);
 /* One Newton step for each block of the algebraic equations in turn: dz, what it adds to z, and the outputs for z + dz.
  * Converges quadratically; entries are not finite where a block is singular. */
 void model_sweep(MODEL_CONTINUOUS_ARGUMENTS, double *dz, double *y);
+#endif
+
+#if MODEL_HAS_DERIVATIVES
+/* Forward: with its arguments at these rates (x_dot), the rates of f and y. p, d and c keep their values. */
+void model_forward(MODEL_CONTINUOUS_ARGUMENTS, double t_dot, const double *v_dot, const double *u_dot, double *f_dot,
+                   double *y_dot);
+/* In reverse: with weights of f and y (x_bar), the weights of the arguments: what the transposed derivatives give. */
+void model_reverse(MODEL_CONTINUOUS_ARGUMENTS, const double *f_bar, const double *y_bar, double *t_bar, double *v_bar,
+                   double *u_bar, double *p_bar);
+/* The same for the residuals of the initial system at constant v; model_initial_jacobian has their derivatives by v. */
+void model_initial_reverse(MODEL_CONTINUOUS_ARGUMENTS, const double *r_bar, double *t_bar, double *u_bar,
+                           double *p_bar);
+/* The weights of the independent parameters from those of all; 0 for dependent ones. */
+void model_parameters_reverse(const double *p, const double *p_bar, double *free_bar);
 #endif
 
 /* Index of the first violated assertion, or -1. Errors must come before warnings: a lasting warning would hide them. */

@@ -1,0 +1,6 @@
+"""Judges an FMU by rules: its archive, its XML, its binaries, and how it behaves when it is run, in a process apart."""
+
+from cosim.check._check import Report, check, rules
+from cosim.check._rules import Finding, Severity
+
+__all__ = ["Finding", "Report", "Severity", "check", "rules"]

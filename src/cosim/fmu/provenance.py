@@ -1,0 +1,36 @@
+"""Which FMU files this project has built on this computer: known by their content, so that no other passes for one."""
+
+from __future__ import annotations
+
+import hashlib
+from contextlib import suppress
+from pathlib import Path
+
+
+def remember(path: Path) -> None:
+    """Note that this project has just built this file."""
+    _note(hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def is_own(path: Path, sha256: str) -> bool:
+    """Tell whether this project has built a file with this content here, or has it in its catalogue, up to date."""
+    if (_folder() / sha256).is_file():
+        return True
+    from cosim.fmu import catalogue
+
+    if catalogue.has(path):
+        _note(sha256)
+        return True
+    return False
+
+
+def _note(sha256: str) -> None:
+    with suppress(OSError):  # one that is not known here is only treated with more care
+        _folder().mkdir(parents=True, exist_ok=True)
+        (_folder() / sha256).touch()
+
+
+def _folder() -> Path:
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("wiper-cosim")) / "built"

@@ -1,0 +1,297 @@
+"""Reading of system structures (SSD), with the parameter sets (SSV), mappings (SSM) and systems they refer to."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from dataclasses import dataclass
+
+from cosim.engine import Interface
+from cosim.errors import InputError
+from cosim.ssp._model import (
+    Binding,
+    ComponentElement,
+    Connector,
+    Element,
+    Link,
+    MappingEntry,
+    Parameter,
+    Structure,
+    SystemElement,
+    Transformation,
+    plain_type,
+)
+from cosim.ssp._package import DEFAULT, Location, ZipPackage
+from cosim.ssp._xml import Node, Place, parse
+from cosim.units import BASE, Unit
+
+_FMU = "application/x-fmu-sharedlibrary"
+_SSD = "application/x-ssp-definition"
+_SSP = "application/x-ssp-package"
+_TRANSFORMATIONS = ("Boolean", "Integer", "Enumeration")
+_IMPLEMENTATIONS: dict[str, Interface | None] = {
+    "any": None,
+    "CoSimulation": "CoSimulation",
+    "ModelExchange": "ModelExchange",
+}
+_MOST_ELEMENTS = 10_000
+_MOST_LEVELS = 32
+
+
+def read_structure(location: Location) -> Structure:
+    """Read an SSD and what it refers to, except for the FMUs. Raises `InputError`, with file and line, for the rest."""
+    return _Reader().structure(location, None, 0)
+
+
+@dataclass
+class _File:
+    """An SSD that is being read: its root, where it is, and the units that it defines."""
+
+    root: Node
+    location: Location
+    units: dict[str, Unit]
+    level: int
+
+
+class _Reader:
+    def __init__(self) -> None:
+        self._elements = 0
+
+    def structure(self, location: Location, place: Place | None, level: int) -> Structure:
+        content = location.content(place)
+        root = parse(content, location.label, "ssd")
+        file = _File(root, location, _units(root, "ssd"), level)
+        system = root.child("ssd:System")
+        if system is None:
+            raise root.place.fail("has no System; export it again")
+        structure = Structure(self._system(system, file), location)
+        experiment = root.child("ssd:DefaultExperiment")
+        if experiment is not None:
+            structure.start = experiment.number("startTime", math.nan) if experiment.has("startTime") else None
+            structure.stop = experiment.number("stopTime", math.nan) if experiment.has("stopTime") else None
+        return structure
+
+    def _count(self, place: Place, level: int) -> None:
+        self._elements += 1
+        if self._elements > _MOST_ELEMENTS:
+            raise place.fail(f"the structure has more than {_MOST_ELEMENTS} elements; does it refer to itself?")
+        if level > _MOST_LEVELS:
+            raise place.fail(f"more than {_MOST_LEVELS} systems refer to each other; does this one refer to itself?")
+
+    def _system(self, node: Node, file: _File) -> SystemElement:
+        self._count(node.place, file.level)
+        system = SystemElement(node.text("name"), node.place, _connectors(node, file), _bindings(node, file))
+        for path in ("ssd:SignalDictionaries/ssd:SignalDictionary", "ssd:Elements/ssd:SignalDictionaryReference"):
+            found = node.child(path)
+            if found is not None:
+                raise found.place.fail(
+                    f"'{found.text('name')}' is a {found.name}, which this version does not read; "
+                    "connect the components directly"
+                )
+        elements = node.child("ssd:Elements")
+        for inner in elements.of("ssd") if elements else ():
+            element = self._system(inner, file) if inner.name == "System" else self._component(inner, file)
+            if element.name in system.elements:
+                raise inner.place.fail(f"a second element '{element.name}' in system '{system.name}'; rename one")
+            system.elements[element.name] = element
+        system.links = [_link(link) for link in node.children("ssd:Connections/ssd:Connection")]
+        return system
+
+    def _component(self, node: Node, file: _File) -> Element:
+        self._count(node.place, file.level)
+        name, kind = node.text("name"), node.text("type", _FMU).partition(";")[0].strip()
+        if not node.has("source"):
+            raise node.place.fail(f"component '{name}' has no source, only its interface is described; give it an FMU")
+        location, fragment = file.location.at(node.text("source"), node.place)
+        if kind in (_SSD, _SSP):
+            return self._referenced(node, file, location, fragment, kind)
+        if kind != _FMU:
+            raise node.place.fail(
+                f"component '{name}' is of the type '{kind}'; only FMUs ({_FMU}) and other system structures are run: "
+                "export it as an FMU"
+            )
+        wanted = node.text("implementation", "any")
+        if wanted not in _IMPLEMENTATIONS:
+            raise node.place.fail(
+                f"component '{name}' asks for {wanted}; FMUs are run by Co-Simulation or Model Exchange: set "
+                "implementation to one of these, or leave it out"
+            )
+        return ComponentElement(
+            name, node.place, _connectors(node, file), _bindings(node, file), location, _IMPLEMENTATIONS[wanted]
+        )
+
+    def _referenced(self, node: Node, file: _File, location: Location, fragment: str, kind: str) -> SystemElement:
+        """Read the system that a component stands for; the component's bindings come after the system's own."""
+        level = file.level + 1
+        if not node.text("source").partition("#")[0]:
+            found = _by_id(file.root, fragment)
+            if found is None:
+                raise node.place.fail(f"there is no System with the id '{fragment}' in this file")
+            system = self._system(found, _File(file.root, file.location, file.units, level))
+        elif kind == _SSD:
+            system = self.structure(location, node.place, level).root
+        else:
+            path, folder = location.on_disk(node.place)
+            try:
+                package = ZipPackage(path, location.label)
+            except InputError as error:
+                raise node.place.fail(str(error).replace(str(path), location.label)) from error
+            finally:
+                shutil.rmtree(folder, ignore_errors=True)
+            system = self.structure(Location(package, fragment or DEFAULT), node.place, level).root
+        system.name = node.text("name")
+        system.bindings += _bindings(node, file)
+        return system
+
+
+def _by_id(root: Node, wanted: str) -> Node | None:
+    """Return the system that has an id."""
+    return next((node for node in root.children(".//ssd:System") if wanted and node.text("id") == wanted), None)
+
+
+def _units(root: Node, kind: str) -> dict[str, Unit]:
+    """Return the units that a file defines, by their names."""
+    units: dict[str, Unit] = {}
+    for node in root.children(f"{kind}:Units/ssc:Unit"):
+        base = node.child("ssc:BaseUnit")
+        if base is None:
+            continue
+        factor, offset = base.number("factor", 1.0), base.number("offset", 0.0)
+        if not (math.isfinite(factor) and math.isfinite(offset) and factor):
+            raise base.place.fail(f"unit '{node.text('name')}' has the factor {factor:g}; it must not be 0 or infinite")
+        powers = {name: int(base.text(name, "0")) for name in BASE}
+        units[node.text("name")] = Unit(
+            node.text("name"), factor, offset, {name: power for name, power in powers.items() if power}
+        )
+    return units
+
+
+def _unit(node: Node, units: dict[str, Unit]) -> Unit | None:
+    if not node.has("unit"):
+        return None
+    name = node.text("unit")
+    if name not in units:
+        raise node.place.fail(f"the unit '{name}' is not defined in the Units of this file; define it there")
+    return units[name]
+
+
+def _connectors(node: Node, file: _File) -> dict[str, Connector]:
+    found: dict[str, Connector] = {}
+    for inner in node.children("ssd:Connectors/ssd:Connector"):
+        name = inner.text("name")
+        if name in found:
+            raise inner.place.fail(f"a second connector '{name}' of '{node.text('name')}'; names must differ")
+        typed = next((one for one in inner.of("ssc") if one.name not in ("Dimension", "Annotations", "MetaData")), None)
+        for array in (*inner.children("ssd:Dimension"), *inner.children("ssc:Dimension")):
+            raise array.place.fail(
+                f"connector '{name}' of '{node.text('name')}' is an array; this version connects scalars only"
+            )
+        found[name] = Connector(
+            name,
+            inner.text("kind"),
+            None if typed is None else plain_type(typed.name),
+            None if typed is None else _unit(typed, file.units),
+            inner.place,
+        )
+    return found
+
+
+def _link(node: Node) -> Link:
+    for attribute in ("startIndices", "endIndices"):
+        if node.has(attribute):
+            raise node.place.fail("connects an element of an array; this version connects scalars only")
+    start = (node.text("startElement") if node.has("startElement") else None, node.text("startConnector"))
+    end = (node.text("endElement") if node.has("endElement") else None, node.text("endConnector"))
+    return Link(start, end, node.flag("suppressUnitConversion"), _transformation(node), node.place)
+
+
+def _transformation(node: Node) -> Transformation | None:
+    linear = node.child("ssc:LinearTransformation")
+    if linear is not None:
+        factor, offset = linear.number("factor", 1.0), linear.number("offset", 0.0)
+        if not (math.isfinite(factor) and math.isfinite(offset)):
+            raise linear.place.fail(f"factor {factor} and offset {offset} must be finite")
+        return Transformation("Linear", factor, offset)
+    for kind in _TRANSFORMATIONS:
+        found = node.child(f"ssc:{kind}MappingTransformation")
+        if found is None:
+            continue
+        table: dict[str, str] = {}
+        for entry in found.children("ssc:MapEntry"):
+            source = _canonical(kind, entry.text("source"))
+            if source in table:
+                raise entry.place.fail(f"a second entry for {entry.text('source')}; one value can have one target")
+            table[source] = _canonical(kind, entry.text("target"))
+        return Transformation(kind, table=table)
+    return None
+
+
+def _canonical(kind: str, text: str) -> str:
+    if kind == "Boolean":
+        return "1" if text.strip() in ("true", "1") else "0"
+    return str(int(text)) if kind == "Integer" else text
+
+
+def _bindings(node: Node, file: _File) -> list[Binding]:
+    return [_binding(inner, file) for inner in node.children("ssd:ParameterBindings/ssd:ParameterBinding")]
+
+
+def _binding(node: Node, file: _File) -> Binding:
+    values, origin = _content(node, node.child("ssd:ParameterValues"), file, "ssv", "parameter-set")
+    if values is None:
+        raise node.place.fail("the parameter binding has neither a source nor ParameterValues; give it one")
+    mapping_node = node.child("ssd:ParameterMapping")
+    mapping: tuple[MappingEntry, ...] | None = None
+    if mapping_node is not None:
+        found, _ = _content(mapping_node, mapping_node, file, "ssm", "parameter-mapping")
+        if found is None:
+            raise mapping_node.place.fail("the parameter mapping has neither a source nor content; give it one")
+        mapping = _entries(found)
+    return Binding(_parameters(values), node.text("prefix"), mapping, origin, node.place)
+
+
+def _content(node: Node, around: Node | None, file: _File, kind: str, type_: str) -> tuple[Node | None, str]:
+    """Return the root of a parameter set or mapping, from its own file or inline, and what a user knows it by."""
+    type_ = f"application/x-ssp-{type_}"
+    if node.text("type", type_) != type_:
+        raise node.place.fail(f"'{node.text('source')}' is of the type '{node.text('type')}'; {type_} is read")
+    if not node.has("source"):
+        return (around.inline(kind) if around is not None else None), file.location.label
+    if node.text("sourceBase", "SSD") != "SSD":
+        raise node.place.fail(
+            f"'{node.text('source')}' lies inside of a component (sourceBase); put the file beside the FMU"
+        )
+    location, _ = file.location.at(node.text("source"), node.place)
+    return parse(location.content(node.place), location.label, kind), location.label
+
+
+def _parameters(root: Node) -> tuple[Parameter, ...]:
+    units = _units(root, "ssv")
+    found: dict[str, Parameter] = {}
+    for node in root.children("ssv:Parameters/ssv:Parameter"):
+        name = node.text("name")
+        if name in found:
+            raise node.place.fail(f"a second parameter '{name}' in this parameter set; give one value")
+        for array in (*node.children("ssv:Dimension"), *node.children("ssc:Dimension")):
+            raise array.place.fail(f"parameter '{name}' is an array; set its elements one by one, such as '{name}[1]'")
+        typed = next((one for one in node.of("ssv") if one.name != "Annotations"), None)
+        if typed is None:
+            raise node.place.fail(f"parameter '{name}' has no value; give it one")
+        found[name] = Parameter(name, plain_type(typed.name), typed.text("value"), _unit(typed, units), node.place)
+    return tuple(found.values())
+
+
+def _entries(root: Node) -> tuple[MappingEntry, ...]:
+    found: dict[str, MappingEntry] = {}
+    for node in root.children("ssm:MappingEntry"):
+        entry = MappingEntry(
+            node.text("source"),
+            node.text("target"),
+            node.flag("suppressUnitConversion"),
+            _transformation(node),
+            node.place,
+        )
+        if entry.target in found:
+            raise node.place.fail(f"'{entry.target}' is mapped a second time; one parameter can set it")
+        found[entry.target] = entry
+    return tuple(found.values())
