@@ -51,6 +51,10 @@ class FmuWarning(UserWarning):
     """Something in an FMU that the standard forbids, but that does no harm: it is read all the same."""
 
 
+class MeasurementWarning(UserWarning):
+    """Something in a measurement file that is wrong and has been mended; the message says how."""
+
+
 class BuildError(CosimError, RuntimeError):
     """The C compiler is missing or failed."""
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from cosim.errors import InputError
 from cosim.scenario._keys import Keys, missing, override, parse_keys
 from cosim.scenario._model import Column, Scenario, is_structure, suggestion
-from cosim.scenario._table import Table, load
+from cosim.tabular import Table, load
 from cosim.units import Unit, compatible, convert, parse
 
 # Two instants closer than this are one.

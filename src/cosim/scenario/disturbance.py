@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cosim.errors import InputError
-from cosim.scenario._table import load
+from cosim.tabular import load
 
 HEADER = "time [s],tau_disturbance [N.m]"
 

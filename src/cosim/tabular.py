@@ -1,4 +1,4 @@
-"""The text of a scenario file cut into key lines, header and rows, whatever spreadsheet wrote it."""
+"""CSV text cut into key lines, header and rows, whatever spreadsheet wrote it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ class Table:
     """Cells as text with the lines (from 1) at which they stand.
 
     ``keys`` are the leading ``#`` lines without the ``#`` and without a spreadsheet's trailing separators. Rows are as
-    long as the header. ``decimal`` is the mark that numbers in cells use, found with the first number that has one.
+    long as the header. ``decimal`` is the mark that numbers in cells use, found with the first number that has one;
+    ``empty`` says what an empty cell means.
     """
 
     path: Path
@@ -27,6 +28,7 @@ class Table:
     header_line: int
     header: list[str]
     rows: list[tuple[int, list[str]]]
+    empty: str
     decimal: str | None = None
 
     def number(self, text: str, line: int, position: int) -> float:
@@ -38,7 +40,7 @@ class Table:
         if _NUMBER.fullmatch(plain) is None or (value := float(plain)) in (float("inf"), float("-inf")):
             raise self.error(
                 f"'{text}' in column '{self.header[position - 1]}' is not a number; "
-                "accepted are finite numbers such as 12, -0.5 or 3e-2, and an empty cell for 'unchanged'",
+                f"accepted are finite numbers such as 12, -0.5 or 3e-2, and an empty cell for '{self.empty}'",
                 line,
                 position,
             )
@@ -62,9 +64,16 @@ class Table:
         return InputError(message, file=self.path, line=line, column=position)
 
 
-def load(path: Path) -> Table:
-    """Read a scenario file's lines and cells. Raises `InputError` if it is no such table."""
-    lines = re.split(r"\r\n|\n|\r", _text(path))
+def load(path: Path, what: str = "scenario file", empty: str = "unchanged", example: str = "duty [1]") -> Table:
+    """Read a file's lines and cells. Raises `InputError` if it is no such table.
+
+    Args:
+        path: the file.
+        what: what the file is, for the message if it is missing.
+        empty: what an empty cell means, for messages.
+        example: a column that such a file may have beside the time, for messages.
+    """
+    lines = re.split(r"\r\n|\n|\r", _text(path, what))
     keys: list[tuple[int, str]] = []
     body: list[tuple[int, str]] = []
     for number, line in enumerate(lines, start=1):
@@ -77,21 +86,21 @@ def load(path: Path) -> Table:
             body.append((number, line))
     if not body:
         found = "an empty file" if not keys else "no header line below the '#' lines"
-        raise InputError(f"{found}; expected a header such as 'time [s],duty [1]' and rows below it", file=path)
+        raise InputError(f"{found}; expected a header such as 'time [s],{example}' and rows below it", file=path)
     header_line, header_text = body[0]
     delimiter = next((mark for mark in ";\t" if mark in header_text), ",")
     header = _cells(path, header_line, header_text, delimiter)
     rows = [(number, _cells(path, number, text, delimiter)) for number, text in body[1:]]
-    table = Table(path, delimiter, keys, header_line, header, rows)
+    table = Table(path, delimiter, keys, header_line, header, rows, empty)
     _square_up(table)
     return table
 
 
-def _text(path: Path) -> str:
+def _text(path: Path, what: str) -> str:
     try:
         data = path.read_bytes()
     except FileNotFoundError:
-        raise InputError("there is no such scenario file", file=path) from None
+        raise InputError(f"there is no such {what}", file=path) from None
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", file=path) from error
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
@@ -142,7 +151,7 @@ def _square_up(table: Table) -> None:
         if len(cells) < width:
             raise table.error(
                 f"the row has {len(cells)} cells, the header {width}: "
-                f"the cell for '{table.header[len(cells)]}' is missing; leave it empty for 'unchanged'",
+                f"the cell for '{table.header[len(cells)]}' is missing; leave it empty for '{table.empty}'",
                 line,
                 len(cells) + 1,
             )
