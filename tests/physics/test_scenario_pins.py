@@ -42,6 +42,7 @@ PINS = {
     "rig_2ms": Pin(77.930082, 5.7571, 12),
     "rig_10ms": Pin(77.942620, 5.7571, 12),
     "rig_50ms": Pin(78.655028, 5.7571, 12),
+    "rig_20ms_one_rate": Pin(79.260185, 5.7571, 12),
     "rig_1ms_disturbed": Pin(77.887193, 11.4076, 12),
     "rig_2ms_disturbed": Pin(77.887193, 11.4076, 12),
     "rig_10ms_disturbed": Pin(77.889175, 11.4076, 12),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 from cosim.assessment import Rules
@@ -22,6 +23,7 @@ def reproduce_thesis(out: Path, settings: Sequence[str], measured: Path | None, 
     screen.document({
         "files": [str(path) for path in made.files],
         "table_4_1": [{"sample_time_s": run.sample_time, "load": run.load} | run.score.to_dict() for run in made.rig],
+        "claims": [asdict(finding) | {"verdict": finding.verdict.value} for finding in made.findings],
     })  # fmt: skip
     for path in made.files:
         screen.say(str(path))

@@ -48,17 +48,20 @@ def claims_page(findings: Sequence[Finding]) -> str:
     blocks = [
         "# Claims of the source, tested",
         f"{COMMAND} A verdict follows from its rule and the numbers; the rules are choices, and stand beside them. "
-        "The pictures are those of [the thesis, reproduced](thesis.md), and those at the end.",
+        "The other pictures are in [the thesis, reproduced](thesis.md).",
     ]
+    shown: set[str] = set()
     for number, finding in enumerate(findings, 1):
+        name = finding.picture
         blocks += [
             f"## {number}. {finding.claim[0].upper()}{finding.claim[1:]}",
             f"Source: {finding.place}. **Verdict: {finding.verdict.value}.**",
             f"Rule: {finding.rule}.",
-            f"Numbers: {finding.numbers}. Figure: [{finding.picture}]({finding.picture}).",
+            f"Numbers: {finding.numbers}.",
+            f"[The picture is shown above.]({name})" if name in shown else _picture(name, name.removesuffix(".png")),
         ]
-    own = dict.fromkeys(f.picture for f in findings if not f.picture.startswith(("figure_3", "figure_4")))
-    return "\n\n".join([*blocks, "## Pictures", *(_picture(name, name.removesuffix(".png")) for name in own)]) + "\n"
+        shown.add(name)
+    return "\n\n".join(blocks) + "\n"
 
 
 def _picture(name: str, text: str) -> str:
@@ -106,8 +109,9 @@ def _profile(evidence: Evidence) -> Iterator[str]:
     averaged = pwm.mean_current("averaged")
     yield _picture("figure_3_12.png", "Figure 3.12")
     yield (
-        "Figure 3.12: the corners are those of B.1.8, to one tick of the chart. The source colours areas, here the "
-        "line is coloured. Soft_stop takes Ts, as drawn there; everywhere else it takes Ts/2, as the chart says."
+        "Figure 3.12: the corners are those of B.1.8, to one tick of the chart. The source colours areas and calls the "
+        "ratio V; here the line is coloured. Soft_stop takes Ts, as drawn there; everywhere else it takes Ts/2, as the "
+        "chart says."
     )
     yield _picture("figure_4_8.png", "Figure 4.8")
     half = pwm.machine.half_ripple(pwm.duty, 1e-3)
