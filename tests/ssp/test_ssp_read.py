@@ -267,3 +267,32 @@ def test_the_direction_is_that_of_the_kinds_not_of_the_ends(assembled: Assemble)
     assert assembled(turned, table="time [s],speed [km/h]\n0,36\n").channels == [
         Channel(("car.engine", "u"), [0.0], [10.0])
     ]
+
+
+def test_mapping_tables_on_connections(run: Run) -> None:
+    """A contact is negated, whole numbers are renumbered, and the items of an enumeration are mapped by name."""
+
+    def table(kind: str, *pairs: tuple[str, str]) -> str:
+        entries = "".join(f'<ssc:MapEntry source="{a}" target="{b}"/>' for a, b in pairs)
+        return f"<ssc:{kind}MappingTransformation>{entries}</ssc:{kind}MappingTransformation>"
+
+    kinds = ("Boolean", "Int32", "Enumeration")
+    ends = "".join(
+        connector(f"{letter}_{kind}", way) for kind in kinds for letter, way in (("u", "input"), ("y", "output"))
+    )
+    structure = ssd(
+        wrapped("Connectors", "".join(connector(kind, "input") for kind in kinds))
+        + wrapped("Elements", element("a", ends, "resources/mirror.fmu"), element("b", ends, "resources/mirror.fmu"))
+        + wrapped(
+            "Connections",
+            link("Int32", "a.u_Int32", table("Integer", ("1", "5"))),
+            *(link(kind, f"a.u_{kind}") for kind in kinds if kind != "Int32"),
+            link("a.y_Boolean", "b.u_Boolean", table("Boolean", ("true", "false"), ("0", "1"))),
+            link("a.y_Int32", "b.u_Int32", table("Integer", ("5", "-3"))),
+            link("a.y_Enumeration", "b.u_Enumeration", table("Enumeration", ("left", "right"), ("right", "left"))),
+        )
+    )
+    result = run(structure, table="time [s],Boolean,Int32,Enumeration\n0,1,1,1\n0.5,0,2,3\n")
+    assert [result.columns[f"a.y_{kind}"][5] for kind in kinds] == [1, 5, 1]
+    assert [result.columns[f"b.y_{kind}"][5] for kind in kinds] == [0, -3, 3]
+    assert [result.columns[f"b.y_{kind}"][-1] for kind in kinds] == [1, 2, 1]

@@ -136,6 +136,8 @@ def _connections(system: System) -> dict[tuple[str, str], str]:
         text = f"{dotted(connection.source)} -> {dotted(connection.target)}"
         if connection.factor != 1.0 or connection.offset != 0.0:
             text += f" = {connection.factor:g} * source + {connection.offset:g}"
+        if connection.table:
+            text += f" = {', '.join(f'{target:g} for {source:g}' for source, target in connection.table)}"
         texts[connection.target] = text
     return texts
 

@@ -57,12 +57,13 @@ Buffer: TypeAlias = "array[Any] | Array[c_char_p] | Binaries | None"
 
 
 class Wire(NamedTuple):
-    """``inputs[target] = factor * values[source] + offset``."""
+    """``inputs[target] = factor * values[source] + offset``, or what ``table`` has in the place of that."""
 
     target: int
     source: int
     factor: float
     offset: float
+    table: tuple[tuple[float, float], ...] = ()
 
 
 class InputGroup(NamedTuple):
@@ -130,8 +131,10 @@ class Participant:
         values, inputs = self.values, self.inputs
         for _, access, start, buffer, wires, _ in self.input_groups:
             changed = force
-            for target, source, factor, offset in wires:
+            for target, source, factor, offset, table in wires:
                 value = values[source] * factor + offset
+                if table:
+                    value = dict(table).get(value, value)
                 if value != inputs[target]:
                     inputs[target] = value
                     changed = True
@@ -237,8 +240,9 @@ class Participant:
     def triggered(self) -> bool:
         """Tell whether a discrete source of an input has changed."""
         values, inputs = self.values, self.inputs
-        for target, source, factor, offset in self.triggers:
-            if values[source] * factor + offset != inputs[target]:
+        for target, source, factor, offset, table in self.triggers:
+            value = values[source] * factor + offset
+            if (dict(table).get(value, value) if table else value) != inputs[target]:
                 return True
         return False
 

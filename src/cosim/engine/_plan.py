@@ -218,16 +218,21 @@ def _channel_signals(
     return holds, lines
 
 
-_Source = tuple[int, float, float]
+_Source = tuple[int, float, float, tuple[tuple[float, float], ...]]
 
 
 def _sources(
     system: System, signals: dict[tuple[str, str], int], roles: dict[str, Role], lines: list[Line]
 ) -> dict[tuple[str, str], _Source]:
-    """Return slot, factor and offset of each driven input: of the middle, for a linear channel of a continuous one."""
+    """Return slot, factor, offset and table of each driven input: a continuous one follows a line by its middles."""
     sources: dict[tuple[str, str], _Source] = {}
     for connection in system.connections:
-        sources[connection.target] = (signals[connection.source], connection.factor, connection.offset)
+        sources[connection.target] = (
+            signals[connection.source],
+            connection.factor,
+            connection.offset,
+            connection.table,
+        )
     middles = {line.slot: line.middle for line in lines}
     for channel in system.channels:
         slot = signals[channel.target]
@@ -235,7 +240,7 @@ def _sources(
         any_step = fmu.capabilities["canHandleVariableCommunicationStepSize"]
         if roles[channel.target[0]] is Role.CONTINUOUS and any_step:
             slot = middles.get(slot, slot)
-        sources[channel.target] = (slot, 1.0, 0.0)
+        sources[channel.target] = (slot, 1.0, 0.0, ())
     return sources
 
 
@@ -246,7 +251,7 @@ def _idle_elements(
     variables = component.fmu.variables.values()
     arrays = {v.array for v in variables if v.array is not None and (component.name, v.name) in sources}
     return {
-        (component.name, v.name): (zero, 1.0, float(v.start or 0.0))
+        (component.name, v.name): (zero, 1.0, float(v.start or 0.0), ())
         for v in variables
         if v.array in arrays and (component.name, v.name) not in sources
     }

@@ -31,7 +31,13 @@ class Position(Structure):
 
 
 class Wire(Structure):
-    _fields_ = [("factor", c_double), ("offset", c_double), ("source", c_int64)]
+    _fields_ = [
+        ("factor", c_double),
+        ("offset", c_double),
+        ("source", c_int64),
+        ("table", c_void_p),
+        ("pairs", c_int64),
+    ]
 
 
 class Extent(Structure):

@@ -39,12 +39,17 @@ class Component:
 
 @dataclass
 class Connection:
-    """``target = factor * source + offset``; both ends are (component, variable)."""
+    """``target = factor * source + offset``; both ends are (component, variable).
+
+    ``table``, between whole numbers, Booleans and enumerations only, has pairs of a source's value and what the target
+    gets in its place; values that are not in it are handed on as they are.
+    """
 
     source: tuple[str, str]
     target: tuple[str, str]
     factor: float = 1.0
     offset: float = 0.0
+    table: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass
@@ -169,6 +174,22 @@ def _check_types(connection: Connection, source: Variable, target: Variable) -> 
         raise InputError(f"{ends}: factor and offset need a Real target, but it is a {target.type}; leave them out")
     if not (math.isfinite(connection.factor) and math.isfinite(connection.offset)):
         raise InputError(f"{ends}: factor {connection.factor} and offset {connection.offset} must be finite")
+    if connection.table:
+        _check_mapping(connection, ends, source, target)
+
+
+def _check_mapping(connection: Connection, ends: str, source: Variable, target: Variable) -> None:
+    for variable in (source, target):
+        if variable.type not in ("Integer", "Boolean", "Enumeration"):
+            raise InputError(f"{ends}: a table maps whole numbers, Booleans and enumerations, not a {variable.type}")
+    known = dict(connection.table)
+    possible = {"Boolean": [0, 1], "Enumeration": range(1, len(source.literals or ()) + 1)}.get(source.type, ())
+    accepted = {"Boolean": (0, 1), "Enumeration": (1, len(target.literals or ()) or math.inf)}.get(target.type)
+    for value in (*known.values(), *(known.get(value, value) for value in possible)):
+        if value != int(value) or (accepted and not accepted[0] <= value <= accepted[1]):
+            raise InputError(
+                f"{ends}: the table gives {value:g}, which the target, of the type {target.type}, cannot take"
+            )
 
 
 def _check_table(channel: Channel, target: Variable) -> None:

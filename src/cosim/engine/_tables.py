@@ -104,7 +104,7 @@ class Tables:
             component.update_discrete_states = instance.pointer("UpdateDiscreteStates")
         inputs = [self._input_group(participant, group) for group in participant.input_groups]
         outputs = [self._output_group(participant, group) for group in participant.output_groups]
-        triggers = [structures.Trigger(_wire(wire), self._inputs + 8 * wire.target) for wire in participant.triggers]
+        triggers = [structures.Trigger(self._wire(w), self._inputs + 8 * w.target) for w in participant.triggers]
         component.inputs = self._keep((structures.Group * len(inputs))(*inputs))
         component.outputs = self._keep((structures.Group * len(outputs))(*outputs))
         component.triggers = self._keep((structures.Trigger * len(triggers))(*triggers))
@@ -118,12 +118,17 @@ class Tables:
             memory=group.access.address,
             **_binaries(group),
             doubles=self._inputs + 8 * group.start,
-            wires=self._keep((structures.Wire * len(group.wires))(*map(_wire, group.wires))),
+            wires=self._keep((structures.Wire * len(group.wires))(*map(self._wire, group.wires))),
             extents=_extents(None, group.access),
             type=_type(participant, group),
             number=number,
             function=NUMBERS[group.access.function],
         )
+
+    def _wire(self, wire: Wire) -> structures.Wire:
+        pairs = _doubles([number for pair in wire.table for number in pair])
+        table = self._keep(pairs) if wire.table else 0
+        return structures.Wire(wire.factor, wire.offset, wire.source, table, len(wire.table))
 
     def _output_group(self, participant: Participant, group: OutputGroup) -> structures.Group:
         number = self._number(group)
@@ -179,10 +184,6 @@ def _counts(groups: Sequence[OutputGroup]) -> Array[c_int64]:
 def _extents(connected: Access | None, whole: Access) -> Array[structures.Extent]:
     extent = structures.Extent
     return (extent * 2)(*(extent(len(a.references), a.length) if a else extent() for a in (connected, whole)))
-
-
-def _wire(wire: Wire) -> structures.Wire:
-    return structures.Wire(wire.factor, wire.offset, wire.source)
 
 
 def _doubles(numbers: Sequence[float]) -> Array[c_double]:

@@ -121,11 +121,8 @@ def connections(flat: Flat) -> list[Connection]:
                 "from outputs to inputs only"
             )
         signal = compose(flat.unit(origin), hops, source, leaf.variable)
-        if signal.table:
-            raise hops[-1].place.fail(
-                f"{hops[-1].text}: a mapping of values on a connection is not supported; put it into a component"
-            )
-        found.append(Connection((".".join(origin[0]), origin[1]), leaf.end, signal.factor, signal.offset))
+        end = (".".join(origin[0]), origin[1])
+        found.append(Connection(end, leaf.end, signal.factor, signal.offset, signal.table))
     return found
 
 

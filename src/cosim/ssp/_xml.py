@@ -145,7 +145,7 @@ def parse(content: bytes, file: str, kind: str) -> Node:
     root = Node(element, file)
     wanted = _ROOTS[kind]
     if element.tag != f"{{{SPACES[kind]}}}{wanted}":
-        raise root.place.fail(f"is not a .{kind} file: its root is '{element.tag}', expected '{wanted}' of SSP")
+        raise root.place.fail(f"is not a .{kind} file: its root is '{root.name}', expected '{wanted}' of SSP")
     root._validate(kind)
     return root
 

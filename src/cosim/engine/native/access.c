@@ -108,6 +108,18 @@ static bool load(Engine *engine, const Component *component, const Group *group,
     return true;
 }
 
+RARE double looked_up(const Wire *wire, double value) {
+    for (int64_t i = 0; i < wire->pairs; i++) {
+        if (wire->table[2 * i] == value) return wire->table[2 * i + 1];
+    }
+    return value;
+}
+
+OFTEN double handed_on(const Wire *wire, const double *values) {
+    const double value = values[wire->source] * wire->factor + wire->offset;
+    return wire->pairs ? looked_up(wire, value) : value;
+}
+
 /* Doubles are set and read where they lie. */
 OFTEN bool write_inputs(Engine *engine, const Component *component) {
     const double *const values = engine->values;
@@ -116,8 +128,7 @@ OFTEN bool write_inputs(Engine *engine, const Component *component) {
         const Extent *extent = &group->extents[WHOLE];
         bool changed = false;
         for (int64_t i = 0; i < extent->values; i++) {
-            const Wire *wire = &group->wires[i];
-            const double value = values[wire->source] * wire->factor + wire->offset;
+            const double value = handed_on(&group->wires[i], values);
             if (value != group->doubles[i]) {
                 group->doubles[i] = value;
                 changed = true;
@@ -149,9 +160,7 @@ OFTEN bool read_outputs(Engine *engine, Component *component, bool recording) {
 static inline bool triggered(const Engine *engine, const Component *component) {
     for (int64_t i = 0; i < component->n_triggers; i++) {
         const Trigger *trigger = &component->triggers[i];
-        if (engine->values[trigger->wire.source] * trigger->wire.factor + trigger->wire.offset != *trigger->input) {
-            return true;
-        }
+        if (handed_on(&trigger->wire, engine->values) != *trigger->input) return true;
     }
     return false;
 }

@@ -37,10 +37,13 @@ typedef void (*Function)(void);
 /* How a variable lies in the memory that an FMI function takes. */
 typedef enum { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, TEXT, BINARY } Type;
 
-/* target = factor * source + offset; the source is a signal, the target the input of the wire's place in its group. */
+/* target = factor * source + offset, or what the table has in the place of that, as pairs of both; the source is a
+ * signal, the target the input of the wire's place in its group. */
 typedef struct {
     double factor, offset;
     int64_t source;
+    const double *table;
+    int64_t pairs;
 } Wire;
 
 /* How many value references and values a call has: an array has one reference for all its elements. */
