@@ -141,7 +141,7 @@ static double *unknown(Simulation *m, const char *function, unsigned reference, 
     return NULL;
 }
 
-static int finite(Simulation *m, const char *function, double value)
+static int exists(Simulation *m, const char *function, double value)
 {
     if (isfinite(value)) return 1;
     return !instance_error(m, "%s: at t = %.9g s the derivative is not finite.", function, m->s.t);
@@ -171,7 +171,7 @@ static int forward_by_rows(Simulation *m, const char *function, const unsigned *
         sensitivity[i] = 0.0;
         for (size_t k = 0; k < n_knowns; k++)
             if (seed[k] != 0.0) sensitivity[i] += *known(m, function, knowns[k], &gradient) * seed[k];
-        if (!finite(m, function, sensitivity[i])) return STATUS_ERROR;
+        if (!exists(m, function, sensitivity[i])) return STATUS_ERROR;
     }
     return STATUS_OK;
 }
@@ -198,7 +198,7 @@ int derivatives_forward(Simulation *m, const char *function, const unsigned *unk
     if (!simulation_forward(m, &rates, &result)) return instance_error(m, "%s: %s", function, m->message);
     for (size_t i = 0; i < n_unknowns; i++) {
         sensitivity[i] = *unknown(m, function, unknowns[i], &result, &nothing);
-        if (!finite(m, function, sensitivity[i])) return STATUS_ERROR;
+        if (!exists(m, function, sensitivity[i])) return STATUS_ERROR;
     }
     return STATUS_OK;
 }
@@ -223,7 +223,7 @@ int derivatives_adjoint(Simulation *m, const char *function, const unsigned *unk
         return instance_error(m, "%s: %s", function, m->message);
     for (size_t k = 0; k < n_knowns; k++) {
         sensitivity[k] = *known(m, function, knowns[k], &result);
-        if (!finite(m, function, sensitivity[k])) return STATUS_ERROR;
+        if (!exists(m, function, sensitivity[k])) return STATUS_ERROR;
     }
     return STATUS_OK;
 }
@@ -248,7 +248,7 @@ int derivatives_in_time(Simulation *m, const char *function, const unsigned *ref
     if (!f || !simulation_forward(m, &rates, &result)) return instance_error(m, "%s: %s", function, m->message);
     for (size_t k = 0; k < n; k++) {
         values[k] = *unknown(m, function, references[k], &result, &nothing);
-        if (!finite(m, function, values[k])) return STATUS_ERROR;
+        if (!exists(m, function, values[k])) return STATUS_ERROR;
     }
     return STATUS_OK;
 }
