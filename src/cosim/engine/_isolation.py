@@ -8,7 +8,7 @@ from ctypes import byref
 from dataclasses import dataclass
 from functools import partial
 from math import inf
-from typing import Literal, TypeGuard, get_args
+from typing import Literal, NamedTuple, TypeGuard, get_args
 
 from cosim.engine._board import Board
 from cosim.engine._calls import CALLS, LOADING, UNLOADING, Site
@@ -72,6 +72,21 @@ class _HangsError(Exception):
     pass
 
 
+class _Sight(NamedTuple):
+    """What differs between two looks at a run unless it hangs in one call; or makes the same one again and again.
+
+    The native loop does not count its calls, since it has no time to. What it makes again and again at one instant are
+    updates of discrete states, 100 at most.
+    """
+
+    calls: int = -1
+    row: int = 0
+    exchanges: int = 0
+    now: float = 0.0
+    component: int = 0
+    function: int = 0
+
+
 def run_isolated(
     job: Job, width: int, loop: str, limits: Limits, progress: Callable[[float], None] | None
 ) -> tuple[Record, Ending]:
@@ -131,12 +146,13 @@ class _Supervisor:
     def look_after(self, worker: Worker, progress: Callable[[float], None] | None) -> Ending:
         """Wait for the end of the worker; return how the run ended."""
         shown = -inf
-        seen, since = -1, time.perf_counter()
+        seen, since = _Sight(), time.perf_counter()
         try:
             while not worker.wait(_LOOK):
                 at, now = self.record.at, time.perf_counter()
-                if at.calls != seen or at.component == NOWHERE:
-                    seen, since = at.calls, now
+                sight = _Sight(at.calls, at.row, at.exchanges, at.now, at.component, at.function)
+                if sight != seen or at.component == NOWHERE:
+                    seen, since = sight, now
                 elif now - since > self.limits.call:
                     raise _HangsError
                 if progress is not None and at.now > shown and worker.answer is None:

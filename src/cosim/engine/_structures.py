@@ -13,8 +13,8 @@ class Position(Structure):
     """Where a run is: it can be read by another process while the run goes on, and after it has died.
 
     ``now`` [s] is the last instant reached, ``row`` the number of rows recorded, ``exchanges`` the number of instants
-    at which values were handed over, ``calls`` that of calls so far. Of the last call ``component`` is the number of
-    the component in the system, ``function`` that of the FMI function in ``CALLS``.
+    at which values were handed over, ``calls`` that of calls so far, except for those of the native loop. Of the last
+    call ``component`` is the number of the component in the system, ``function`` that of the FMI function in ``CALLS``.
     """
 
     _fields_ = [
@@ -48,7 +48,7 @@ class Group(Structure):
     _fields_ = [
         *((name, c_void_p) for name in ("access", "references", "memory", "sizes", "limits", "doubles", "wires")),
         ("extents", 2 * Extent),
-        *((name, c_int32) for name in ("type", "number", "function", "unused")),
+        *((name, c_int32) for name in ("type", "number", "component", "function")),
     ]
 
 

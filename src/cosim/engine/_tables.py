@@ -122,6 +122,7 @@ class Tables:
             extents=_extents(None, group.access),
             type=_type(participant, group),
             number=number,
+            component=participant.instance.site.number,
             function=NUMBERS[group.access.function],
         )
 
@@ -141,6 +142,7 @@ class Tables:
             extents=_extents(group.connected, group.whole),
             type=_type(participant, group),
             number=number,
+            component=participant.instance.site.number,
             function=NUMBERS[group.whole.function],
         )
 

@@ -14,10 +14,8 @@ RARE bool fail(Engine *engine, const Component *component, FailureKind kind) {
 }
 
 /* The FMU may take the process down in any call: whoever looks after it finds out in which. */
-OFTEN void enter(Engine *engine, const Component *component, int32_t function) {
-    engine->at.calls++;
-    engine->at.component = component->number;
-    engine->at.function = function;
+OFTEN void enter(Engine *engine, const Component *component, CalledFunction function) {
+    engine->at.call = (Call){component->number, (int32_t)function};
 }
 
 #include "texts.c"

@@ -54,6 +54,11 @@ typedef struct {
 /* Indices: what is read between rows, since it drives something, and for a row. Of inputs all are always set. */
 enum { CONNECTED, WHOLE };
 
+/* A function of an FMU by its number among all that are called, and the component by its place in the system. */
+typedef struct {
+    int32_t component, function;
+} Call;
+
 /* Variables of one component and one FMI type, set or read by one call. */
 typedef struct {
     Function access;
@@ -66,8 +71,7 @@ typedef struct {
     Extent extents[2];  /* connected variables come first */
     int32_t type;
     int32_t number;     /* its place among all groups, for the record of a failure */
-    int32_t function;   /* its number among all that are called, for the position */
-    int32_t unused;
+    Call call;          /* for the position */
 } Group;
 
 /* A change of this signal is an event for the component, even between its own events. */
@@ -145,8 +149,8 @@ typedef struct {
     double now;          /* the last communication point that was reached */
     int64_t row;         /* recorded so far */
     int64_t exchanges;
-    int64_t calls;       /* of functions of FMUs, so far */
-    int32_t component, function; /* of the last one */
+    int64_t calls;       /* of functions of FMUs, so far, outside of this loop */
+    Call call;           /* the last one; written in one piece, since it is every time */
 } Position;
 
 typedef struct {
