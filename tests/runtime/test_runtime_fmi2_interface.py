@@ -96,8 +96,8 @@ def test_what_cannot_be_instantiated() -> None:
         Sample2("oscillator", guid="{other}")
     with pytest.raises(FmiError, match="fmi2Instantiate: the instance needs a name"):
         Sample2("oscillator", called="")
-    with pytest.raises(FmiError, match="oscillator: this FMU supports Co-Simulation only"):
-        Sample2("oscillator", kind=0)
+    with pytest.raises(FmiError, match="oscillator: there is no type of interface with the number 2"):
+        Sample2("oscillator", kind=2)
     sample = Sample2("oscillator")
     callbacks = byref(sample.callbacks)
     assert sample.dll.fmi2Instantiate(None, CO_SIMULATION, TOKEN.encode(), None, callbacks, 0, 0) is None
@@ -234,8 +234,10 @@ def test_null_instances_and_unsupported_functions_are_errors() -> None:
     assert dll.fmi2CancelStep(None) == 3
     assert dll.fmi2GetStatus(None, 0, None) == 3
     dll.fmi2FreeInstance(None)
-    for function in ("fmi2CancelStep", "fmi2EnterEventMode", "fmi2EnterContinuousTimeMode"):
-        with pytest.raises(FmiError, match=f"{function} is not supported by this FMU"):
+    with pytest.raises(FmiError, match="fmi2CancelStep is not supported by this FMU"):
+        sample.call("fmi2CancelStep")
+    for function in ("fmi2EnterEventMode", "fmi2EnterContinuousTimeMode"):
+        with pytest.raises(FmiError, match=f"{function} does not exist in Co-Simulation"):
             sample.call(function)
     reference, order, value = (c_uint * 1)(4), (c_int * 1)(1), (c_double * 1)(0.0)
     for function in ("fmi2SetRealInputDerivatives", "fmi2GetRealOutputDerivatives"):

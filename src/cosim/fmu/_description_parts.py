@@ -16,9 +16,9 @@ from cosim.units import linear_map, parse
 _LOG_CATEGORIES = {
     "logStatusError": "What failed, and why",
     "logStatusWarning": "Assertions of the model that are warnings",
+    "logStatusDiscard": "What could not be computed at a trial point; steps that terminate() has ended early",
     "logEvents": "State events, with the relations that changed",
 }
-_LOG_DISCARD = {"logStatusDiscard": "Steps that ended early since the model has called terminate()"}
 
 
 def root_element(dae: Dae, identifier: str, fmi: str, **token: str) -> ET.Element:
@@ -42,7 +42,8 @@ def add_units(root: ET.Element, layout: Layout) -> None:
     Raises:
         InputError: a variable's unit is not one.
     """
-    units = sorted({v.unit for v in declarations(layout) if v.type == "Real" and v.unit} | {"s"})
+    declared = {v.unit for v in declarations(layout) if v.type == "Real" and v.unit}
+    units = sorted(declared | {slot.unit for slot in layout.slots if slot.unit} | {"s"})
     definitions = ET.SubElement(root, "UnitDefinitions")
     for name in units:
         unit = parse(name)
@@ -60,10 +61,10 @@ def add_units(root: ET.Element, layout: Layout) -> None:
                 shown.set("offset", repr(offset))
 
 
-def add_log_categories(root: ET.Element, *, discard: bool) -> None:
-    """Add what the runtime logs; with ``discard`` also the category of FMI 2.0's discarded steps."""
+def add_log_categories(root: ET.Element) -> None:
+    """Add what the runtime logs."""
     categories = ET.SubElement(root, "LogCategories")
-    for name, description in (_LOG_CATEGORIES | (_LOG_DISCARD if discard else {})).items():
+    for name, description in _LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", name=name, description=description)
 
 
@@ -75,7 +76,13 @@ def add_experiment(root: ET.Element) -> None:
 def initial_unknowns(layout: Layout) -> list[int]:
     """Value references of what is computed in Initialization Mode, as both FMI versions list it."""
     wanted = {"output", "calculatedParameter"}
-    return [k for k, slot in enumerate(layout.slots) if slot.causality in wanted and slot.initial == "calculated"]
+    derivatives = layout.derivatives
+    states = {layout.slots[reference].derivative_of for reference in derivatives}
+    return [
+        k
+        for k, slot in enumerate(layout.slots)
+        if (slot.causality in wanted or k in states or k in derivatives) and slot.initial == "calculated"
+    ]
 
 
 def dependencies(found: Sequence[Dependency], first: int) -> dict[str, str]:
@@ -120,8 +127,11 @@ def general_attributes(reference: int, slot: Slot) -> dict[str, str]:
     return attributes
 
 
-def typed_attributes(slot: Slot, types: Mapping[tuple[str, ...], str]) -> dict[str, str]:
-    """The attributes of a variable that depend on its type; ``types`` has the names of enumerations."""
+def typed_attributes(slot: Slot, types: Mapping[tuple[str, ...], str], first: int) -> dict[str, str]:
+    """The attributes of a variable that depend on its type; ``types`` has the names of enumerations.
+
+    Variables count from ``first`` where one names another.
+    """
     attributes: dict[str, str] = {}
     if slot.store == "STORE_TIME":
         attributes["unit"] = "s"
@@ -141,6 +151,12 @@ def typed_attributes(slot: Slot, types: Mapping[tuple[str, ...], str]) -> dict[s
                 attributes[attribute] = repr(float(value))
         if slot.scalar is not None and slot.scalar.nominal != 1.0:
             attributes["nominal"] = repr(slot.scalar.nominal)
+    if slot.unit is not None:
+        attributes["unit"] = slot.unit
+    if slot.derivative_of is not None:
+        attributes["derivative"] = str(slot.derivative_of + first)
+    if slot.reinitialised:
+        attributes["reinit"] = "true"
     if slot.start is not None:
         attributes["start"] = _start(slot, slot.start)
     return attributes

@@ -93,6 +93,8 @@ class Dependencies:
             return self._dae.derivatives[slot.index]
         if slot.store == "STORE_UNKNOWN":
             return self._dae.unknowns[slot.index].symbol
+        if slot.store == "STORE_INDICATOR":
+            return self._dae.relations[slot.index].indicator
         return self._values[slot.name]
 
     def _places(self, store: str, symbols: Iterable[SX]) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""The modelDescription.xml of an FMI 3.0 Co-Simulation FMU."""
+"""The modelDescription.xml of an FMI 3.0 FMU."""
 
 from __future__ import annotations
 
@@ -34,6 +34,16 @@ def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
     root = parts.root_element(dae, identifier, "3.0", instantiationToken=token)
     ET.SubElement(
         root,
+        "ModelExchange",
+        modelIdentifier=identifier,
+        canGetAndSetFMUState="true",
+        canSerializeFMUState="true",
+        needsCompletedIntegratorStep="true",
+        providesDirectionalDerivatives="true",
+        providesAdjointDerivatives="true",
+    )
+    ET.SubElement(
+        root,
         "CoSimulation",
         modelIdentifier=identifier,
         canHandleVariableCommunicationStepSize="true",
@@ -47,12 +57,12 @@ def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
     parts.add_units(root, layout)
     types = parts.enumerations(layout)
     _types(root, types)
-    parts.add_log_categories(root, discard=False)
+    parts.add_log_categories(root)
     parts.add_experiment(root)
     variables = ET.SubElement(root, "ModelVariables")
     names = {literals: name for name, literals in types.items()}
     for reference, slot in enumerate(layout.slots):
-        attributes = parts.general_attributes(reference, slot) | parts.typed_attributes(slot, names)
+        attributes = parts.general_attributes(reference, slot) | parts.typed_attributes(slot, names, 0)
         ET.SubElement(variables, _ELEMENTS[slot.type], attributes)
     _structure(root, dae, layout)
     return parts.document(root)
@@ -68,8 +78,12 @@ def _structure(root: ET.Element, dae: Dae, layout: Layout) -> None:
     for reference, slot in enumerate(layout.slots):
         if slot.causality == "output":
             add("Output", reference, dependencies.of(reference))
+    for reference in layout.derivatives:
+        add("ContinuousStateDerivative", reference, dependencies.of(reference))
     for reference in parts.initial_unknowns(layout):
         add("InitialUnknown", reference, dependencies.of_initial(reference))
+    for reference in layout.indicators:
+        add("EventIndicator", reference, dependencies.of(reference))
 
 
 def _types(root: ET.Element, enumerations: dict[str, tuple[str, ...]]) -> None:

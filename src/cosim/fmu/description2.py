@@ -1,4 +1,4 @@
-"""The modelDescription.xml of an FMI 2.0 Co-Simulation FMU."""
+"""The modelDescription.xml of an FMI 2.0 FMU."""
 
 from __future__ import annotations
 
@@ -31,6 +31,16 @@ def describe2(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         InputError: a variable's unit is not one.
     """
     root = parts.root_element(dae, identifier, "2.0", guid=token)
+    root.set("numberOfEventIndicators", str(len(layout.indicators)))
+    ET.SubElement(
+        root,
+        "ModelExchange",
+        modelIdentifier=identifier,
+        canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+        providesDirectionalDerivative="true",
+    )
     ET.SubElement(
         root,
         "CoSimulation",
@@ -45,13 +55,13 @@ def describe2(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
     parts.add_units(root, layout)
     types = parts.enumerations(layout)
     _types(root, types)
-    parts.add_log_categories(root, discard=True)
+    parts.add_log_categories(root)
     parts.add_experiment(root)
     variables = ET.SubElement(root, "ModelVariables")
     names = {literals: name for name, literals in types.items()}
     for reference, slot in enumerate(layout.slots):
         variable = ET.SubElement(variables, "ScalarVariable", parts.general_attributes(reference, slot))
-        ET.SubElement(variable, _ELEMENTS[slot.type], parts.typed_attributes(slot, names))
+        ET.SubElement(variable, _ELEMENTS[slot.type], parts.typed_attributes(slot, names, 1))
     _structure(root, dae, layout)
     return parts.document(root)
 
@@ -73,6 +83,7 @@ def _structure(root: ET.Element, dae: Dae, layout: Layout) -> None:
     outputs = [reference for reference, slot in enumerate(layout.slots) if slot.causality == "output"]
     for element, references, of in (
         ("Outputs", outputs, dependencies.of),
+        ("Derivatives", layout.derivatives, dependencies.of),
         ("InitialUnknowns", parts.initial_unknowns(layout), dependencies.of_initial),
     ):
         if references:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import re
+from dataclasses import dataclass, field, replace
 
 from cosim.dae import Dae
 from cosim.dae.hybrid import SX, Scalar
 from cosim.dae.symbolic import evaluate
 from cosim.fmu.tunable import tunable_parameters
+from cosim.units import parse
 
 COUNTERS = {
     "solver.steps": "Accepted steps of the solver",
@@ -38,6 +40,12 @@ class Slot:
     variability: str
     initial: str | None
     start: float | None
+    derivative_of: int | None = None
+    """Value reference of the state that this is the derivative of."""
+    unit: str | None = None
+    """Of a variable without declaration."""
+    reinitialised: bool = False
+    """A state that reinit() may set."""
 
 
 @dataclass
@@ -48,9 +56,23 @@ class Layout:
     outputs: list[SX] = field(default_factory=list)
     locals: list[SX] = field(default_factory=list)
 
+    @property
+    def derivatives(self) -> list[int]:
+        """Value references of the state derivatives, in the order of the states."""
+        return [reference for reference, slot in enumerate(self.slots) if slot.derivative_of is not None]
+
+    @property
+    def indicators(self) -> list[int]:
+        """Value references of the event indicators, in the order of the relations."""
+        return [reference for reference, slot in enumerate(self.slots) if slot.store == "STORE_INDICATOR"]
+
 
 def lay_out(dae: Dae) -> Layout:
-    """Lay out time, the published variables, and the solver's counters."""
+    """Lay out time, the published variables, the solver's counters, and what Model Exchange needs.
+
+    The states are those of the Dae, the same ones in the same order for the whole life of an FMU: they were chosen when
+    the model was compiled. A protected one is published after all, since importers have to know all states.
+    """
     layout = Layout()
     layout.slots.append(
         Slot(
@@ -127,7 +149,66 @@ def lay_out(dae: Dae) -> Layout:
                 None,
             )
         )
+    _add_states(dae, layout)
+    _add_indicators(dae, layout)
     return layout
+
+
+def _add_states(dae: Dae, layout: Layout) -> None:
+    reinitialised = {reset.index for reset in dae.resets}
+    places = {(slot.store, slot.index): k for k, slot in reversed(list(enumerate(layout.slots)))}
+    references: list[int] = []
+    for index, state in enumerate(dae.states):
+        place = places.get(("STORE_UNKNOWN", index))
+        if place is None:
+            place = len(layout.slots)
+            layout.slots.append(_continuous(state.name, "Protected in the model", "STORE_UNKNOWN", index))
+        references.append(place)
+        layout.slots[place] = replace(layout.slots[place], reinitialised=index in reinitialised)
+    for index, reference in enumerate(references):
+        state_slot = layout.slots[reference]
+        declaration = state_slot.scalar.declaration if state_slot.scalar is not None else None
+        derivative = _continuous(
+            f"der({state_slot.name})", f"Time derivative of {state_slot.name}", "STORE_DERIVATIVE", index
+        )
+        unit = rate_unit(declaration.unit) if declaration is not None and declaration.unit else None
+        layout.slots.append(replace(derivative, derivative_of=reference, unit=unit))
+
+
+def _add_indicators(dae: Dae, layout: Layout) -> None:
+    """An event indicator for each relation but those of time alone, whose instants are known beforehand."""
+    watched = [(index, relation) for index, relation in enumerate(dae.relations) if not relation.slope]
+    for number, (index, relation) in enumerate(watched, start=1):
+        name = f"solver.event_indicators[{number}]"
+        layout.slots.append(_continuous(name, f"Event indicator of {relation.text}", "STORE_INDICATOR", index))
+
+
+def _continuous(name: str, description: str, store: str, index: int) -> Slot:
+    return Slot(
+        name,
+        None,
+        description,
+        store,
+        index,
+        "TYPE_REAL",
+        "SET_NEVER",
+        "local",
+        "continuous",
+        "calculated",
+        None,
+    )
+
+
+def rate_unit(unit: str) -> str | None:
+    """The unit of the time derivative of what has this one, ``None`` if there is none, as for degC."""
+    if parse(unit).offset != 0.0:
+        return None
+    above, _, below = unit.partition("/")
+    if not below:
+        return f"{above}/s"
+    if match := re.fullmatch(r"s(\d*)", below):
+        return f"{above}/s{int(match[1] or 1) + 1}"
+    return f"{above}/({below.removeprefix('(').removesuffix(')')}.s)"
 
 
 def _places(dae: Dae) -> dict[str, tuple[str, int]]:

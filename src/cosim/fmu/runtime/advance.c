@@ -133,7 +133,7 @@ static void move_to(Simulation *m, double t, double theta)
     m->have = 0;
 }
 
-static void note_state_event(const Simulation *m)
+void simulation_log_state_event(const Simulation *m)
 {
     if (!m->log_events || !m->log) return;
     char relations[512], text[600];
@@ -168,7 +168,7 @@ Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_e
         ahead->active = 0;
         if (!simulation_check_selection(m)) return ADVANCE_FAILED;
         if (ahead->ends_in_event) {
-            note_state_event(m);
+            simulation_log_state_event(m);
             if (!simulation_solve_algebraic(m, s->t, s->v, NULL) || !simulation_count_event(m)) return ADVANCE_FAILED;
             s->event_due = 1;
             if (stop_at_events) return ADVANCE_EVENT;

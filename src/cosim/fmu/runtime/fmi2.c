@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT-0
  *
- * FMI 2.0 for Co-Simulation: life cycle and steps.
+ * FMI 2.0: life cycle, and the steps of Co-Simulation.
  *
  * A sample at t is executed by the step from t, at its beginning, with the inputs set before it; its results hold until
  * the next one. A sample at the end of a step belongs to the next step. Inputs set between two steps wait for the next:
@@ -43,14 +43,16 @@ const char *instance_mode_name(int mode)
     case INSTANTIATED: return "before fmi2SetupExperiment";
     case SET_UP: return "before Initialization Mode";
     case INITIALIZATION_MODE: return "in Initialization Mode";
+    case EVENT_MODE: return "in Event Mode";
     case STEP_MODE: return "after the end of Initialization Mode";
+    case CONTINUOUS_TIME_MODE: return "in Continuous-Time Mode";
     case TERMINATED: return "after fmi2Terminate";
     default: return "after an error; call fmi2Reset, fmi2SetFMUstate or fmi2FreeInstance";
     }
 }
 
-#define ENTER(allowed_modes)                                       \
-    Simulation *m = instance_entering(c, allowed_modes, __func__); \
+#define ENTER(call)                                       \
+    Simulation *m = instance_entering(c, call, __func__); \
     if (!m) return fmi2Error
 
 const char *fmi2GetTypesPlatform(void)
@@ -66,7 +68,7 @@ const char *fmi2GetVersion(void)
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
                                const fmi2String categories[])
 {
-    ENTER(ANY_MODE);
+    ENTER(CALL_ANY_TIME);
     return (fmi2Status)instance_log_events(m, __func__, loggingOn != fmi2False, nCategories, categories);
 }
 
@@ -81,8 +83,8 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     blank.sim.log = say;
     blank.sim.log_context = &blank;
     if (!instance_may_begin(&blank.sim, instanceName, fmuGUID, __func__)) return NULL;
-    if (fmuType != fmi2CoSimulation) {
-        instance_error(&blank.sim, "%s: this FMU supports Co-Simulation only.", instanceName);
+    if (fmuType != fmi2CoSimulation && fmuType != fmi2ModelExchange) {
+        instance_error(&blank.sim, "%s: there is no type of interface with the number %d.", instanceName, (int)fmuType);
         return NULL;
     }
     size_t length = strlen(instanceName) + 1;
@@ -94,6 +96,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         free(name);
         return NULL;
     }
+    instance_begin(&i->sim, fmuType == fmi2ModelExchange ? MODEL_EXCHANGE : CO_SIMULATION, INSTANTIATED);
     i->logger = functions->logger;
     i->environment = functions->componentEnvironment;
     i->name = memcpy(name, instanceName, length);
@@ -111,7 +114,7 @@ void fmi2FreeInstance(fmi2Component c)
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime)
 {
-    ENTER(BEFORE_INITIALIZATION);
+    ENTER(CALL_SET_UP_EXPERIMENT);
     if (!instance_set_up(m, toleranceDefined, tolerance, startTime, stopTimeDefined, stopTime)) return fmi2Error;
     m->s.mode = SET_UP;
     return fmi2OK;
@@ -119,16 +122,16 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {
-    ENTER(SET_UP);
+    ENTER(CALL_ENTER_INITIALIZATION);
     m->s.mode = INITIALIZATION_MODE;
     return fmi2OK;
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
-    ENTER(INITIALIZATION_MODE);
+    ENTER(CALL_EXIT_INITIALIZATION);
     if (!instance_initialise(m)) return fmi2Error;
-    m->s.mode = STEP_MODE;
+    m->s.mode = m->s.type == MODEL_EXCHANGE ? EVENT_MODE : STEP_MODE;
     return fmi2OK;
 }
 
@@ -148,7 +151,7 @@ static void take_over_inputs(Simulation *m)
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint)
 {
-    ENTER(STEP_MODE);
+    ENTER(CALL_STEP);
     (void)noSetFMUStatePriorToCurrentPoint;
     if (!instance_accepts_step(m, __func__, currentCommunicationPoint, communicationStepSize)) return fmi2Error;
     take_over_inputs(m);
@@ -161,16 +164,15 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
 
 fmi2Status fmi2Terminate(fmi2Component c)
 {
-    ENTER(STEP_MODE);
+    ENTER(CALL_TERMINATE);
     m->s.mode = TERMINATED;
     return instance_end(m) ? fmi2OK : fmi2Error;
 }
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
-    ENTER(ANY_MODE);
-    simulation_reset(m);
-    m->s.mode = INSTANTIATED;
+    ENTER(CALL_ANY_TIME);
+    instance_begin(m, m->s.type, INSTANTIATED);
     return fmi2OK;
 }
 
@@ -178,7 +180,7 @@ fmi2Status fmi2Reset(fmi2Component c)
 
 static fmi2Status unknown_status(fmi2Component c, const char *function, fmi2StatusKind kind)
 {
-    Simulation *m = c;
+    Simulation *m = instance_entering(c, CALL_STEP_STATUS, function);
     if (!m) return fmi2Error;
     static const char *const names[] = {"fmi2DoStepStatus", "fmi2PendingStatus", "fmi2LastSuccessfulTime",
                                         "fmi2Terminated"};
@@ -189,7 +191,7 @@ static fmi2Status unknown_status(fmi2Component c, const char *function, fmi2Stat
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
-    ENTER(ANY_MODE);
+    ENTER(CALL_STEP_STATUS);
     if (s != fmi2LastSuccessfulTime) return unknown_status(c, __func__, s);
     if (!value) return (fmi2Status)instance_error(m, "%s: value is null.", __func__);
     *value = m->s.t;
@@ -198,7 +200,7 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 {
-    ENTER(ANY_MODE);
+    ENTER(CALL_STEP_STATUS);
     if (s != fmi2Terminated) return unknown_status(c, __func__, s);
     if (!value) return (fmi2Status)instance_error(m, "%s: value is null.", __func__);
     *value = m->s.terminate != 0;

@@ -10,7 +10,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[])
 {
-    Simulation *m = instance_entering(c, INITIALIZATION_MODE | STEP_MODE | TERMINATED, __func__);
+    Simulation *m = instance_entering(c, CALL_GET_DIRECTIONAL_DERIVATIVES, __func__);
     if (!m) return fmi2Error;
     return (fmi2Status)derivatives_forward(m, __func__, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown);
 }
@@ -18,7 +18,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[])
 {
-    Simulation *m = instance_entering(c, STEP_MODE | TERMINATED, __func__);
+    Simulation *m = instance_entering(c, CALL_GET_OUTPUT_DERIVATIVES, __func__);
     if (!m) return fmi2Error;
     return (fmi2Status)derivatives_in_time(m, __func__, vr, nvr, order, value);
 }

@@ -8,6 +8,8 @@
 #define LARGEST_INTEGER 2147483647.0
 #define INTEGERS (ONE_OF(TYPE_INTEGER) | ONE_OF(TYPE_ENUMERATION) | ONE_OF(TYPE_COUNTER))
 
+static const int STATES_SET_IN = CONTINUOUS_TIME_MODE;
+
 static const char *type_name(int type)
 {
     switch (type) {
@@ -39,7 +41,7 @@ static bool get_integer(Simulation *m, const char *function, unsigned reference,
 #define GETTER(NAME, FETCH)                                                                                            \
     fmi2Status fmi2Get##NAME(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##NAME value[])           \
     {                                                                                                                  \
-        Simulation *m = instance_entering(c, ANY_MODE, __func__);                                                      \
+        Simulation *m = instance_entering(c, CALL_ANY_TIME, __func__);                                                      \
         if (!m || !arrays_exist(m, __func__, vr, nvr, value)) return fmi2Error;                                        \
         for (size_t k = 0; k < nvr; k++) {                                                                             \
             double number = 0.0;                                                                                       \
@@ -65,7 +67,7 @@ static void let_inputs_wait(State *s)
 #define SETTER(NAME, TYPES)                                                                                            \
     fmi2Status fmi2Set##NAME(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##NAME value[])     \
     {                                                                                                                  \
-        Simulation *m = instance_entering(c, BEFORE_INITIALIZATION | INITIALIZATION_MODE | STEP_MODE, __func__);       \
+        Simulation *m = instance_entering(c, CALL_SET_VARIABLES, __func__);                                            \
         if (!m || !arrays_exist(m, __func__, vr, nvr, value)) return fmi2Error;                                        \
         for (size_t k = 0; k < nvr; k++)                                                                               \
             if (!may_set(m, __func__, vr[k], TYPES, (double)value[k])) return fmi2Error;                               \
@@ -87,7 +89,7 @@ SETTER(Boolean, ONE_OF(TYPE_BOOLEAN))
 /* No model has Strings: reading or setting none of them is fine, anything else a mistake. */
 static fmi2Status no_strings(fmi2Component c, const char *function, size_t n)
 {
-    Simulation *m = instance_entering(c, ANY_MODE, function);
+    Simulation *m = instance_entering(c, CALL_ANY_TIME, function);
     if (!m) return fmi2Error;
     if (n > 0) instance_error(m, "%s: the model has no variables of this type.", function);
     return n > 0 ? fmi2Error : fmi2OK;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT-0
  *
- * FMI 3.0 for Co-Simulation: life cycle, modes and steps.
+ * FMI 3.0: life cycle, events, and the steps of Co-Simulation.
  */
 #include <math.h>
 #include <stdlib.h>
 
 #include "fmi3Functions.h"
-#include "instance.h"
+#include "exchange.h"
 
 typedef struct {
     Simulation sim; /* first: see instance.h */
@@ -24,17 +24,18 @@ static void say(void *context, LogKind kind, const char *text)
 const char *instance_mode_name(int mode)
 {
     switch (mode) {
-    case INSTANTIATED: return "before Initialization Mode";
+    case SET_UP: return "before Initialization Mode";
     case INITIALIZATION_MODE: return "in Initialization Mode";
     case EVENT_MODE: return "in Event Mode";
     case STEP_MODE: return "in Step Mode";
+    case CONTINUOUS_TIME_MODE: return "in Continuous-Time Mode";
     case TERMINATED: return "after fmi3Terminate";
     default: return "after an error; call fmi3Reset, fmi3SetFMUState or fmi3FreeInstance";
     }
 }
 
-#define ENTER(allowed_modes)                                              \
-    Simulation *m = instance_entering(instance, allowed_modes, __func__); \
+#define ENTER(call)                                              \
+    Simulation *m = instance_entering(instance, call, __func__); \
     if (!m) return fmi3Error
 
 static fmi3Status error(Simulation *m, const char *text)
@@ -50,8 +51,27 @@ const char *fmi3GetVersion(void)
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
                                const fmi3String categories[])
 {
-    ENTER(ANY_MODE);
+    ENTER(CALL_ANY_TIME);
     return (fmi3Status)instance_log_events(m, __func__, loggingOn, nCategories, categories);
+}
+
+static Instance *instantiate(const char *function, fmi3String name, fmi3String token, InterfaceType type,
+                             fmi3Boolean logging, fmi3InstanceEnvironment environment,
+                             fmi3LogMessageCallback log_message)
+{
+    Instance blank = {.environment = environment, .log_message = log_message};
+    blank.sim.log = say;
+    blank.sim.log_context = &blank;
+    if (!instance_may_begin(&blank.sim, name, token, function)) return NULL;
+    Instance *i = instance_new(sizeof *i, say, logging);
+    if (!i) {
+        instance_error(&blank.sim, "%s: out of memory.", name);
+        return NULL;
+    }
+    instance_begin(&i->sim, type, SET_UP);
+    i->environment = environment;
+    i->log_message = log_message;
+    return i;
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
@@ -65,20 +85,22 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
 {
     (void)resourcePath, (void)visible, (void)requiredIntermediateVariables, (void)nRequiredIntermediateVariables;
     (void)intermediateUpdate;
-    Instance blank = {.environment = instanceEnvironment, .log_message = logMessage};
-    blank.sim.log = say;
-    blank.sim.log_context = &blank;
-    if (!instance_may_begin(&blank.sim, instanceName, instantiationToken, __func__)) return NULL;
-    Instance *i = instance_new(sizeof *i, say, loggingOn);
-    if (!i) {
-        instance_error(&blank.sim, "%s: out of memory.", instanceName);
-        return NULL;
-    }
-    i->environment = instanceEnvironment;
-    i->log_message = logMessage;
+    Instance *i = instantiate(__func__, instanceName, instantiationToken, CO_SIMULATION, loggingOn, instanceEnvironment,
+                              logMessage);
+    if (!i) return NULL;
     i->event_mode_used = eventModeUsed;
     i->early_return_allowed = earlyReturnAllowed;
     return i;
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
+                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                          fmi3InstanceEnvironment instanceEnvironment,
+                                          fmi3LogMessageCallback logMessage)
+{
+    (void)resourcePath, (void)visible;
+    return instantiate(__func__, instanceName, instantiationToken, MODEL_EXCHANGE, loggingOn, instanceEnvironment,
+                       logMessage);
 }
 
 void fmi3FreeInstance(fmi3Instance instance)
@@ -89,7 +111,7 @@ void fmi3FreeInstance(fmi3Instance instance)
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
 {
-    ENTER(INSTANTIATED);
+    ENTER(CALL_ENTER_INITIALIZATION);
     if (!instance_set_up(m, toleranceDefined, tolerance, startTime, stopTimeDefined, stopTime)) return fmi3Error;
     m->s.mode = INITIALIZATION_MODE;
     return fmi3OK;
@@ -97,15 +119,17 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
 {
-    ENTER(INITIALIZATION_MODE);
+    ENTER(CALL_EXIT_INITIALIZATION);
     if (!instance_initialise(m)) return fmi3Error;
-    m->s.mode = ((Instance *)instance)->event_mode_used ? EVENT_MODE : STEP_MODE;
+    bool events = m->s.type == MODEL_EXCHANGE || ((Instance *)instance)->event_mode_used;
+    m->s.mode = events ? EVENT_MODE : STEP_MODE;
     return fmi3OK;
 }
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
-    ENTER(STEP_MODE);
+    ENTER(CALL_ENTER_EVENT_MODE);
+    if (m->s.type == MODEL_EXCHANGE) return (fmi3Status)exchange_enter_event_mode(m, __func__);
     if (!((Instance *)instance)->event_mode_used) return error(m, "The instance was made without eventModeUsed.");
     m->s.kept = 0;
     m->s.mode = EVENT_MODE;
@@ -114,7 +138,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 
 fmi3Status fmi3EnterStepMode(fmi3Instance instance)
 {
-    ENTER(EVENT_MODE);
+    ENTER(CALL_ENTER_STEP_MODE);
     m->s.mode = STEP_MODE;
     return fmi3OK;
 }
@@ -124,20 +148,19 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
                                     fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined,
                                     fmi3Float64 *nextEventTime)
 {
-    ENTER(EVENT_MODE);
+    ENTER(CALL_UPDATE_DISCRETE_STATES);
     if (!discreteStatesNeedUpdate || !terminateSimulation || !nominalsOfContinuousStatesChanged ||
         !valuesOfContinuousStatesChanged || !nextEventTimeDefined || !nextEventTime)
         return error(m, "fmi3UpdateDiscreteStates: an output argument is null.");
-    int reinitialised = 0;
-    if (!simulation_event(m, 1, &reinitialised)) return (fmi3Status)instance_failed(m);
-    double next = simulation_next_time_event(m);
+    Update update;
+    int status = instance_update(m, __func__, &update);
+    if (status != STATUS_OK) return (fmi3Status)status;
     *discreteStatesNeedUpdate = fmi3False;
-    *terminateSimulation = m->s.terminate != 0;
-    if (m->s.terminate) simulation_log_termination(m, LOG_WARNING);
+    *terminateSimulation = update.terminate;
     *nominalsOfContinuousStatesChanged = fmi3False;
-    *valuesOfContinuousStatesChanged = reinitialised != 0;
-    *nextEventTimeDefined = isfinite(next);
-    *nextEventTime = isfinite(next) ? next : 0.0;
+    *valuesOfContinuousStatesChanged = update.states_changed;
+    *nextEventTimeDefined = update.has_next;
+    *nextEventTime = update.next;
     return fmi3OK;
 }
 
@@ -145,7 +168,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
                       fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
                       fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
-    ENTER(STEP_MODE);
+    ENTER(CALL_STEP);
     (void)noSetFMUStatePriorToCurrentPoint;
     const Instance *i = instance;
     State *s = &m->s;
@@ -169,15 +192,14 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
 
 fmi3Status fmi3Terminate(fmi3Instance instance)
 {
-    ENTER(INITIALIZATION_MODE | EVENT_MODE | STEP_MODE);
+    ENTER(CALL_TERMINATE);
     m->s.mode = TERMINATED;
     return instance_end(m) ? fmi3OK : fmi3Error;
 }
 
 fmi3Status fmi3Reset(fmi3Instance instance)
 {
-    ENTER(ANY_MODE);
-    simulation_reset(m);
-    m->s.mode = INSTANTIATED;
+    ENTER(CALL_ANY_TIME);
+    instance_begin(m, m->s.type, SET_UP);
     return fmi3OK;
 }

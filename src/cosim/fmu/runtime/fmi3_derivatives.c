@@ -6,12 +6,10 @@
 #include "fmi3Functions.h"
 #include "instance.h"
 
-enum { WITH_DERIVATIVES = INITIALIZATION_MODE | EVENT_MODE | STEP_MODE | TERMINATED };
-
-static Simulation *entering(fmi3Instance instance, const char *function, int modes, size_t n_given, size_t n_seed,
+static Simulation *entering(fmi3Instance instance, const char *function, Call call, size_t n_given, size_t n_seed,
                             size_t n_wanted, size_t n_sensitivity)
 {
-    Simulation *m = instance_entering(instance, modes, function);
+    Simulation *m = instance_entering(instance, call, function);
     if (!m || (n_given == n_seed && n_wanted == n_sensitivity)) return m;
     instance_error(m, "%s: %zu seeds for %zu variables, %zu sensitivities for %zu; all variables are scalars.",
                    function, n_seed, n_given, n_sensitivity, n_wanted);
@@ -22,7 +20,8 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                         size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    Simulation *m = entering(instance, __func__, WITH_DERIVATIVES, nKnowns, nSeed, nUnknowns, nSensitivity);
+    Simulation *m = entering(instance, __func__, CALL_GET_DIRECTIONAL_DERIVATIVES, nKnowns, nSeed, nUnknowns,
+                             nSensitivity);
     if (!m) return fmi3Error;
     return (fmi3Status)derivatives_forward(m, __func__, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity);
 }
@@ -31,7 +30,8 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
                                     const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                     size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    Simulation *m = entering(instance, __func__, WITH_DERIVATIVES, nUnknowns, nSeed, nKnowns, nSensitivity);
+    Simulation *m = entering(instance, __func__, CALL_GET_DIRECTIONAL_DERIVATIVES, nUnknowns, nSeed, nKnowns,
+                             nSensitivity);
     if (!m) return fmi3Error;
     return (fmi3Status)derivatives_adjoint(m, __func__, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity);
 }
@@ -40,7 +40,7 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueRefere
                                     size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
                                     size_t nValues)
 {
-    Simulation *m = entering(instance, __func__, STEP_MODE | TERMINATED, nValueReferences, nValueReferences,
+    Simulation *m = entering(instance, __func__, CALL_GET_OUTPUT_DERIVATIVES, nValueReferences, nValueReferences,
                              nValueReferences, nValues);
     if (!m) return fmi3Error;
     return (fmi3Status)derivatives_in_time(m, __func__, valueReferences, nValueReferences, orders, values);

@@ -23,16 +23,6 @@ static fmi3Status unsupported_if_any(fmi3Instance instance, const char *function
     return instance && n == 0 ? fmi3OK : unsupported(instance, function);
 }
 
-fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
-                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
-                                          fmi3InstanceEnvironment instanceEnvironment,
-                                          fmi3LogMessageCallback logMessage)
-{
-    if (logMessage)
-        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "This FMU supports Co-Simulation only.");
-    return NULL;
-}
-
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
                                                fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
                                                fmi3InstanceEnvironment instanceEnvironment,
@@ -41,7 +31,8 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback unlockPreemption)
 {
     if (logMessage)
-        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "This FMU supports Co-Simulation only.");
+        logMessage(instanceEnvironment, fmi3Error, "logStatusError",
+                   "This FMU supports Co-Simulation and Model Exchange only.");
     return NULL;
 }
 
@@ -119,58 +110,6 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference 
 }
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance)
-{
-    return unsupported(instance, __func__);
-}
-
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
-{
-    return unsupported(instance, __func__);
-}
-
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
-{
-    return unsupported(instance, __func__);
-}
-
-fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
-{
-    return unsupported(instance, __func__);
-}
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
-                                   size_t nContinuousStates)
-{
-    return unsupported(instance, __func__);
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[], size_t nContinuousStates)
-{
-    return unsupported(instance, __func__);
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators)
-{
-    return unsupported(instance, __func__);
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[], size_t nContinuousStates)
-{
-    return unsupported(instance, __func__);
-}
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t nContinuousStates)
-{
-    return unsupported(instance, __func__);
-}
-
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators)
-{
-    return unsupported(instance, __func__);
-}
-
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates)
 {
     return unsupported(instance, __func__);
 }

@@ -5,6 +5,8 @@
 #include "fmi3Functions.h"
 #include "values.h"
 
+static const int STATES_SET_IN = CONTINUOUS_TIME_MODE | EVENT_MODE;
+
 static const char *type_name(int type)
 {
     switch (type) {
@@ -32,7 +34,7 @@ static bool counts_agree(Simulation *m, const char *function, const void *refere
     fmi3Status fmi3Get##NAME(fmi3Instance instance, const fmi3ValueReference valueReferences[],                     \
                              size_t nValueReferences, fmi3##NAME values[], size_t nValues)                          \
     {                                                                                                               \
-        Simulation *m = instance_entering(instance, ANY_MODE, __func__);                                            \
+        Simulation *m = instance_entering(instance, CALL_ANY_TIME, __func__);                                       \
         if (!m || !counts_agree(m, __func__, valueReferences, nValueReferences, values, nValues)) return fmi3Error; \
         for (size_t k = 0; k < nValues; k++) {                                                                      \
             double value;                                                                                           \
@@ -53,8 +55,7 @@ GETTER(UInt64, get_whole(m, __func__, valueReferences[k], ONE_OF(TYPE_COUNTER), 
     fmi3Status fmi3Set##NAME(fmi3Instance instance, const fmi3ValueReference valueReferences[],                     \
                              size_t nValueReferences, const fmi3##NAME values[], size_t nValues)                    \
     {                                                                                                               \
-        const int modes = INSTANTIATED | INITIALIZATION_MODE | EVENT_MODE | STEP_MODE;                              \
-        Simulation *m = instance_entering(instance, modes, __func__);                                               \
+        Simulation *m = instance_entering(instance, CALL_SET_VARIABLES, __func__);                                  \
         if (!m || !counts_agree(m, __func__, valueReferences, nValueReferences, values, nValues)) return fmi3Error; \
         for (size_t k = 0; k < nValues; k++)                                                                        \
             if (!may_set(m, __func__, valueReferences[k], ONE_OF(TYPE), (double)values[k])) return fmi3Error;       \
@@ -72,7 +73,7 @@ SETTER(Int64, TYPE_ENUMERATION)
 /* No model has variables of these types: reading or setting none of them is fine, anything else a mistake. */
 static fmi3Status none_of_this_type(fmi3Instance instance, const char *function, size_t n)
 {
-    Simulation *m = instance_entering(instance, ANY_MODE, function);
+    Simulation *m = instance_entering(instance, CALL_ANY_TIME, function);
     if (!m) return fmi3Error;
     if (n > 0) instance_error(m, "%s: the model has no variables of this type.", function);
     return n > 0 ? fmi3Error : fmi3OK;

@@ -47,12 +47,16 @@ int instance_failed(Simulation *m)
     return instance_error(m, "%s", m->message);
 }
 
-Simulation *instance_entering(void *instance, int allowed_modes, const char *function)
+Simulation *instance_entering(void *instance, Call call, const char *function)
 {
     Simulation *m = instance;
     if (!m) return NULL;
-    if (m->s.mode & allowed_modes) return m;
-    instance_error(m, "%s is not allowed %s.", function, instance_mode_name(m->s.mode));
+    if (call_is_allowed(call, m->s.type, m->s.mode)) return m;
+    if (call_exists(call, m->s.type))
+        instance_error(m, "%s is not allowed %s.", function, instance_mode_name(m->s.mode));
+    else
+        instance_error(m, "%s does not exist in %s.", function,
+                       m->s.type == MODEL_EXCHANGE ? "Model Exchange" : "Co-Simulation");
     return NULL;
 }
 
@@ -75,9 +79,14 @@ void *instance_new(size_t size, void (*log)(void *log_context, LogKind kind, con
     m->log = log;
     m->log_context = m;
     m->log_events = log_events;
-    simulation_reset(m);
-    m->s.mode = INSTANTIATED;
     return m;
+}
+
+void instance_begin(Simulation *m, InterfaceType type, int mode)
+{
+    simulation_reset(m);
+    m->s.type = type;
+    m->s.mode = mode;
 }
 
 int instance_log_events(Simulation *m, const char *function, bool on, size_t n, const char *const categories[])
@@ -114,6 +123,7 @@ bool instance_set_up(Simulation *m, bool has_tolerance, double tolerance, double
     else {
         s->t = start;
         s->stop = has_stop ? stop : INFINITY;
+        s->watched.event = s->watched.completed[0] = s->watched.completed[1] = start;
         if (has_tolerance) s->tolerance = tolerance;
         if (s->tolerance < LEAST_TOLERANCE) raise_tolerance(m);
         simulation_changed(m, false);
@@ -134,6 +144,27 @@ bool instance_end(Simulation *m)
     if (simulation_end(m)) return true;
     instance_error(m, "%s", m->message);
     return false;
+}
+
+int instance_update(Simulation *m, const char *function, Update *update)
+{
+    State *s = &m->s;
+    int reinitialised = 0;
+    if (!simulation_event(m, 1, &reinitialised)) return instance_failed(m);
+    update->next = simulation_next_time_event(m);
+    if (simulation_tick_is_due(m)) {
+        simulation_fail(m, "%s: at t = %.17g s more than one instant of a sample clock has passed since the last event, the "
+                        "next at %.17g s. The events at nextEventTime must not be left out.", function, s->t,
+                        update->next);
+        return instance_failed(m);
+    }
+    update->terminate = s->terminate != 0;
+    if (s->terminate) simulation_log_termination(m, LOG_WARNING);
+    update->states_changed = reinitialised || s->watched.reinitialised;
+    s->watched.reinitialised = 0;
+    update->has_next = isfinite(update->next);
+    if (!update->has_next) update->next = 0.0;
+    return STATUS_OK;
 }
 
 bool instance_accepts_step(Simulation *m, const char *function, double t, double h)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT-0
  *
- * What the shells of all FMI versions share: FMI's state machine, errors, steps, saved states. A binary has one shell.
+ * What the shells of all FMI versions share: errors, events, steps, saved states. A binary has one shell.
  *
  * An instance begins with its simulation, so that a pointer to one is a pointer to the other; what else it has, only
  * its shell knows. The simulation's log is where errors go, too. Status numbers are the same in all FMI versions.
@@ -13,19 +13,6 @@
 #include "simulation.h"
 
 enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR };
-
-/* FMI's states; bits, so that a function can name all in which it is allowed. */
-enum {
-    INSTANTIATED = 1,
-    SET_UP = 2, /* FMI 2.0: as INSTANTIATED, and the experiment is known */
-    INITIALIZATION_MODE = 4,
-    EVENT_MODE = 8, /* FMI 3.0 */
-    STEP_MODE = 16,
-    TERMINATED = 32,
-    FAILED = 64, /* a step or an event has failed: only reset, restoring a state and looking are left */
-    BEFORE_INITIALIZATION = INSTANTIATED | SET_UP,
-    ANY_MODE = 127
-};
 
 /* The state of the instance as the end of a sentence that refuses a call; defined by the shell. */
 const char *instance_mode_name(int mode);
@@ -40,14 +27,17 @@ int instance_error(Simulation *m, const char *format, ...) PRINTF_LIKE(2, 3);
 /* The simulation could not go on: report why and return STATUS_ERROR. */
 int instance_failed(Simulation *m);
 
-/* The simulation if the function is allowed now, else NULL after having said why not. */
-Simulation *instance_entering(void *instance, int allowed_modes, const char *function);
+/* The simulation if the call is allowed now, else NULL after having said why not. */
+Simulation *instance_entering(void *instance, Call call, const char *function);
 
 /* Whether name and token are fit for a new instance, else after having said why not. */
 bool instance_may_begin(Simulation *m, const char *name, const char *token, const char *function);
 
 /* A new instance of `size` bytes with a simulation in its start state, or NULL. */
 void *instance_new(size_t size, void (*log)(void *log_context, LogKind kind, const char *text), bool log_events);
+
+/* Back to the start state, in this mode of FMI. */
+void instance_begin(Simulation *m, InterfaceType type, int mode);
 
 /* Log events if that is wanted for all categories or for theirs. */
 int instance_log_events(Simulation *m, const char *function, bool on, size_t n, const char *const categories[]);
@@ -60,6 +50,13 @@ bool instance_initialise(Simulation *m);
 
 /* What the model does when the simulation ends; false, with the reason logged, if it fails. */
 bool instance_end(Simulation *m);
+
+/* One event in Event Mode; a status. */
+typedef struct {
+    bool terminate, states_changed, has_next;
+    double next; /* the next time event */
+} Update;
+int instance_update(Simulation *m, const char *function, Update *update);
 
 /* Whether a step from t over h can be taken, else after having said why not. */
 bool instance_accepts_step(Simulation *m, const char *function, double t, double h);

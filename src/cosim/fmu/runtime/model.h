@@ -56,6 +56,7 @@ typedef enum {
     STORE_DISCRETE,   /* d[index] */
     STORE_OUTPUT,     /* model_outputs, y[index] */
     STORE_LOCAL,      /* model_locals, l[index] */
+    STORE_INDICATOR,  /* the event indicator of relation `index` */
     STORE_COUNTER     /* what the solver has done so far: a ModelCounter, read as UInt64 */
 } ModelStore;
 

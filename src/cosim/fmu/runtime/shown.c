@@ -27,6 +27,9 @@ const double *simulation_values(Simulation *m, ModelStore store)
     case STORE_LOCAL:
         if (!valid) model_locals(s->t, m->shown_v, s->u, s->p, s->d, s->c, m->shown_l);
         return m->shown_l;
+    case STORE_INDICATOR:
+        if (!valid) simulation_indicators(m, m->shown_v, m->shown_g);
+        return m->shown_g;
     case STORE_DISCRETE: return s->d;
     default: return NULL;
     }

@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "calls.h"
 #include "model.h"
 #include "newton.h"
 #include "rodas.h"
@@ -46,6 +47,14 @@ typedef struct {
     int64_t attempts, events;
 } Window;
 
+/* What Model Exchange remembers: how far the importer may go back, and how the relations' indicators are to be shown. */
+typedef struct {
+    double event, completed[2]; /* when the last event was, the last completed step, and the one before */
+    double size[MODEL_ROOM(MODEL_NG)], shift[MODEL_ROOM(MODEL_NG)]; /* see indicators.c */
+    int measured;      /* size is known */
+    int reinitialised; /* states have new values that the importer has not been told of */
+} Watched;
+
 /* All that determines the future of an instance, and nothing else: saving it is copying it. */
 typedef struct {
     double t, stop, tolerance;
@@ -67,9 +76,11 @@ typedef struct {
     int64_t burst_events;
     Accumulation accumulation[MODEL_ROOM(MODEL_NG)];
     Window window;
+    Watched watched;
     uint64_t counters[COUNTERS];
     signed char selection_sign[MODEL_ROOM(MODEL_NCONSTRAINTS)]; /* of the constraints' determinants; 0 if not known */
-    int mode;        /* of the FMI shell */
+    InterfaceType type; /* of the FMI shell, as is the mode */
+    int mode;
     int inputs_wait;
     int keeping; /* an event from now on is to keep d and c as they are for the importer, who has not seen it yet */
     int kept;
@@ -93,6 +104,7 @@ typedef struct {
     double shown_f[MODEL_ROOM(MODEL_NV)];
     double shown_y[MODEL_ROOM(MODEL_NY)];
     double shown_l[MODEL_ROOM(MODEL_NL)];
+    double shown_g[MODEL_ROOM(MODEL_NG)];
     double kept_y[MODEL_ROOM(MODEL_NY)];
     double kept_l[MODEL_ROOM(MODEL_NL)];
     /* Warnings and event notes, and the errors of the FMI shell, go here, if not NULL. */
@@ -154,6 +166,7 @@ int simulation_blame_selection(Simulation *m, const double *v);
 int simulation_check_selection(Simulation *m);
 int simulation_check_assertions(Simulation *m);
 void simulation_log_termination(Simulation *m, LogKind kind);
+void simulation_log_state_event(const Simulation *m); /* of the relations in m->changing */
 void simulation_relations(const Simulation *m, double t, const double *v, double *g);
 
 /* Inline, as the search for events asks them of every relation at several points of every step. */
@@ -173,6 +186,18 @@ static inline int simulation_changed_state(const Simulation *m, int k, double g)
 }
 
 int simulation_find_event(Simulation *m, double *theta);
+
+/* Whether the importer is to watch a relation: not if it is known beforehand when it changes. */
+static inline int simulation_is_watched(int k)
+{
+    return RELATION_SLOPE(k) == 0.0;
+}
+
+/* The relations' event indicators at s.t and v, NG of them, and what is left to do for them after an event. */
+void simulation_indicators(const Simulation *m, const double *v, double *z);
+int simulation_arm_indicators(Simulation *m);
+/* Which relations have changed when an importer comes with an event: count and log it, refuse to follow chattering. */
+int simulation_note_state_event(Simulation *m);
 const char *simulation_changing_relations(const Simulation *m, char *text, size_t size);
 
 #endif

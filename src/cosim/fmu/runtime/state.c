@@ -27,7 +27,7 @@ static uint64_t hash(const void *data, size_t size)
 }
 
 #define ENTER                                                        \
-    Simulation *m = instance_entering(instance, ANY_MODE, function); \
+    Simulation *m = instance_entering(instance, CALL_ANY_TIME, function); \
     if (!m) return STATUS_ERROR
 
 int instance_save(void *instance, const char *function, void **state)
@@ -44,6 +44,8 @@ int instance_restore(void *instance, const char *function, const void *state)
 {
     ENTER;
     if (!state) return instance_error(m, "%s: FMUState is null.", function);
+    if (((const State *)state)->type != m->s.type)
+        return instance_error(m, "%s: the state is one of the other type, Co-Simulation or Model Exchange.", function);
     memcpy(&m->s, state, sizeof(State));
     m->have = 0;
     return STATUS_OK;

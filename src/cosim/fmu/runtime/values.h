@@ -20,6 +20,9 @@
 /* FMI's name of a ModelType; defined by the file that includes this one. */
 static const char *type_name(int type);
 
+/* In which modes FMI lets continuous states be set one by one, in Model Exchange; defined likewise. */
+static const int STATES_SET_IN;
+
 /* The description of a variable that is accessed as one of `types`, or NULL after having said what is wrong. */
 static inline const ModelVariable *find(Simulation *m, const char *function, unsigned reference, unsigned types)
 {
@@ -74,16 +77,33 @@ static inline bool get_whole(Simulation *m, const char *function, unsigned refer
     return false;
 }
 
+/* What FMI lets change in Event Mode only, in Model Exchange: parameters and inputs of discrete variability. */
+static inline bool is_held(const ModelVariable *variable)
+{
+    return variable->store == STORE_PARAMETER ||
+           (variable->store == STORE_INPUT && (variable->type != TYPE_REAL || MODEL_NV == 0));
+}
+
+static inline bool is_settable_state(const Simulation *m, const ModelVariable *variable)
+{
+    return variable->store == STORE_UNKNOWN && (int)variable->index < MODEL_NX && m->s.type == MODEL_EXCHANGE &&
+           (m->s.mode & STATES_SET_IN);
+}
+
 static inline bool may_set(Simulation *m, const char *function, unsigned reference, unsigned types, double value)
 {
     const ModelVariable *variable = find(m, function, reference, types);
     if (!variable) return false;
     bool early = m->s.mode & (BEFORE_INITIALIZATION | INITIALIZATION_MODE);
-    if (variable->settable == SET_NEVER || (variable->store != STORE_INPUT && variable->store != STORE_PARAMETER))
+    if (variable->settable == SET_NEVER && !is_settable_state(m, variable))
         instance_error(m, "%s: the variable with value reference %u cannot be set.", function, reference);
     else if (variable->settable == SET_BEFORE_INITIALIZATION_ENDS && !early)
         instance_error(m, "%s: the variable with value reference %u can be set before the end of Initialization Mode "
                        "only.", function, reference);
+    else if (m->s.mode == CONTINUOUS_TIME_MODE && is_held(variable))
+        instance_error(m, "%s: the variable with value reference %u does not vary continuously: it can be "
+                       "set in Event Mode only.",
+                       function, reference);
     else if (!isfinite(value) || (variable->type != TYPE_REAL && fabs(value) > WHOLE))
         instance_error(m, "%s: the variable with value reference %u is set to %g, which is not a usable number.",
                        function, reference, value);
@@ -92,14 +112,14 @@ static inline bool may_set(Simulation *m, const char *function, unsigned referen
     return false;
 }
 
-/* Notes in changed[0] a new value of an input, in changed[1] one of a parameter. */
+/* Notes in changed[0] a new value of an input or a state, in changed[1] one of a parameter. */
 static inline void set(Simulation *m, unsigned reference, double value, bool changed[2])
 {
     const ModelVariable *variable = &model_variables[reference];
     State *s = &m->s;
     bool parameter = variable->store == STORE_PARAMETER;
     double *u = s->inputs_wait ? s->u_waiting : s->u;
-    double *place = parameter ? &s->p[variable->index] : &u[variable->index];
+    double *values = parameter ? s->p : variable->store == STORE_UNKNOWN ? s->v : u, *place = &values[variable->index];
     changed[parameter] |= *place != value;
     *place = value;
 }

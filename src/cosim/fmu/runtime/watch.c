@@ -13,6 +13,8 @@ static const double BURST_DURATION = 1e-5;
 /* Intervals between events of one relation that shrink so often in a row, and have come to this, go to zero. */
 enum { SHRINKING = 5 };
 static const double SHORTEST_INTERVAL = 1e-8;
+/* In Model Exchange events are as exact as the importer's search. */
+static const double SHORTEST_INTERVAL_OF_IMPORTER = 1e-6;
 /* The solver is stuck if in each of so many steps that it chose itself, with hardly an event to blame, nothing moves by
  * more than a few tolerances. A smooth solution moves by far more: by tolerance^(1/4), as the method is of order 4. */
 enum { ATTEMPTS = 10000, EVENTS = ATTEMPTS / 100 };
@@ -42,7 +44,8 @@ static int accumulates(State *s, int k)
     a->shorter = interval < a->interval ? a->shorter + 1 : 0;
     a->last = s->t;
     a->interval = interval;
-    return a->shorter >= SHRINKING && interval < SHORTEST_INTERVAL;
+    double shortest = s->type == MODEL_EXCHANGE ? SHORTEST_INTERVAL_OF_IMPORTER : SHORTEST_INTERVAL;
+    return a->shorter >= SHRINKING && interval < shortest;
 }
 
 int simulation_count_event(Simulation *m)

@@ -1,0 +1,127 @@
+"""Model Exchange: fmpy's CVode on our FMUs gives what our own solver gives."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import fmpy
+import fmpy.validation
+import numpy as np
+import pytest
+
+from cosim.fmu import catalogue, export
+from cosim.fmu.versions import FmiVersion
+
+TESTS = Path(__file__).parents[1]
+GOLDEN = (5**0.5 - 1) / 2
+"""Rows this many tenths of a second apart meet no sample clock."""
+
+BuildOf = Callable[[str, FmiVersion], Path]
+Interface = Literal["CoSimulation", "ModelExchange"]
+
+
+@pytest.fixture(scope="session")
+def build_of(tmp_path_factory: pytest.TempPathFactory) -> BuildOf:
+    """The FMU of a small model, or of a component that comes with the project, of an FMI version."""
+    pytest.importorskip("rumoca")
+    folder = tmp_path_factory.mktemp("exchange")
+    built: dict[tuple[str, str], Path] = {}
+
+    def build_of(name: str, fmi: FmiVersion) -> Path:
+        if name.islower():
+            return catalogue.ensure(name, fmi)
+        if (name, fmi) not in built:
+            built[name, fmi] = export(TESTS / "models" / "Small" / f"{name}.mo", f"Small.{name}", folder, fmi=fmi)
+        return built[name, fmi]
+
+    return build_of
+
+
+class Case(NamedTuple):
+    """A model, for how long it runs, its inputs, and how far CVode may be off, in parts of each variable's size."""
+
+    stop: float
+    within: float
+    inputs: list[tuple[float, ...]] | None = None
+    columns: str = ""
+
+
+DUTY: list[tuple[float, ...]] = [(0, 0.9), (1, 0.9), (1, 0.4), (1.5, 0.4), (1.5, 1.0), (3, 1.0)]
+
+
+def currents() -> list[tuple[float, ...]]:
+    """The motor current and park contact of a wiper that meets its park position every 0.7 s, in steps."""
+    rows = [(0.05 * k, 2 + np.sin(0.35 * k), float(k // 14 % 2)) for k in range(100)]
+    return [rows[0], *itertools.chain.from_iterable(((b[0], *a[1:]), b) for a, b in itertools.pairwise(rows))]
+
+
+CASES = {
+    "linkage": Case(3.0, 1e-4, DUTY, "duty"),
+    "rig": Case(3.0, 1e-6, DUTY, "duty"),
+    "voltage_profile": Case(4.9, 1e-12, currents(), "i_motor park"),
+    "BouncingBall": Case(2.3, 1e-6),
+    "RestingBall": Case(4.0, 1e-5),
+    "Brake": Case(6.0, 1e-6, [(0, 0.0), (3, 0.0), (3, 3.0), (4, 3.0), (4, -1.0), (6, -1.0)], "tau"),
+    "StickSlip": Case(10.0, 1e-4),
+    "Rectifier": Case(0.1, 1e-5),
+    "SampledPI": Case(5.0, 1e-5),
+    "Chopper": Case(0.1, 1e-5),
+    "FourBar": Case(1.0, 1e-5),
+    "Lights": Case(10.0, 1e-12),
+}
+
+
+QUICK = ("linkage", "voltage_profile", "BouncingBall", "Brake")
+NAMES = [pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow) for name in CASES]
+
+
+def run(path: Path, case: Case, interface: Interface) -> Any:  # noqa: ANN401 - a structured array
+    description = fmpy.read_model_description(str(path))
+    outputs = [v.name for v in description.modelVariables if v.causality == "output"]
+    table = None
+    if case.inputs is not None:
+        types = [("time", float), *((name, bool if name == "park" else float) for name in case.columns.split())]
+        table = np.array(case.inputs, dtype=types)
+    result = fmpy.simulate_fmu(
+        str(path), stop_time=case.stop, output_interval=GOLDEN * case.stop / 60, relative_tolerance=1e-8,
+        fmi_type=interface, output=outputs, input=table, record_events=False,
+    )  # fmt: skip
+    # a row at a step of an input may be before or after it
+    instants = {round(row[0], 9) for row in case.inputs or ()}
+    first = {round(float(time), 9): k for k, time in enumerate(result["time"]) if round(float(time), 9) not in instants}
+    return result[[k for time, k in sorted(first.items()) if time > 0.0]]
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+@pytest.mark.parametrize("name", NAMES)
+def test_cvode_agrees_with_the_solver_of_the_fmu(name: str, fmi: FmiVersion, build_of: BuildOf) -> None:
+    path, case = build_of(name, fmi), CASES[name]
+    ours, cvode = run(path, case, "CoSimulation"), run(path, case, "ModelExchange")
+    rows = np.intersect1d(np.round(ours["time"], 9), np.round(cvode["time"], 9))
+    assert len(rows) >= 50
+    ours, cvode = (r[np.isin(np.round(r["time"], 9), rows)] for r in (ours, cvode))
+    for column in ours.dtype.names[1:]:
+        a, b = ours[column].astype(float), cvode[column].astype(float)
+        assert np.max(np.abs(a - b)) <= case.within * max(np.max(np.abs(a)), 1e-3), column
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+@pytest.mark.parametrize("name", NAMES)
+def test_fmpy_finds_nothing(name: str, fmi: FmiVersion, build_of: BuildOf) -> None:
+    assert fmpy.validation.validate_fmu(str(build_of(name, fmi))) == []
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_events_that_accumulate_end_a_simulation_by_the_importer_too(fmi: FmiVersion, build_of: BuildOf) -> None:
+    said: list[str] = []
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        fmpy.simulate_fmu(
+            str(build_of("BouncingBall", fmi)), stop_time=3.0, relative_tolerance=1e-8, fmi_type="ModelExchange",
+            logger=lambda *arguments: said.append(arguments[-1].decode()),
+        )  # fmt: skip
+    # h = 1 m, e = 0.7: sqrt(2 h / g) (1 + e) / (1 - e) = 2.5586 s
+    assert "At t = 2.55" in said[-1]
+    assert "the events of 'h <= 0' accumulate" in said[-1]
