@@ -16,20 +16,16 @@ from cosim.units import Unit
 VERSIONS = ("1.0", "2.0")
 VALUES = "resources/parameters.ssv"
 MAPPING = "resources/parameters.ssm"
-_OPAQUE = ("Binary",)
+OPAQUE = ("String", "Binary")
 
 
 def connector_names(system: System) -> dict[End, str]:
-    """Return the connector of the whole system for each channel and each output, by the variable behind it.
+    """Return the connector of the whole system for each channel, by the input that it drives.
 
-    It is the variable's name where only one component has it, else ``component_variable``.
+    It is the variable's name where only one of them has it, else ``component_variable``. Outputs get none: importers
+    that know no connections with the system itself can then take a system without channels.
     """
-    ends = [channel.target for channel in system.channels] + [
-        (component.name, variable.name)
-        for component in system.components
-        for variable in component.fmu.variables.values()
-        if variable.causality == "output" and variable.type not in _OPAQUE and variable.array is None
-    ]
+    ends = [channel.target for channel in system.channels]
     plain = [re.sub(r"\W+", "_", variable) for _, variable in ends]
     names: dict[End, str] = {}
     for end, name in zip(ends, plain, strict=True):
@@ -73,7 +69,7 @@ class Documents:
         """Return the SSD; ``stop`` [s] is the end of its default experiment."""
         root = self._root("ssd", "SystemStructureDescription", name=title or name, **self._made())
         system = self._add(root, "ssd:System", name=name)
-        self._add_connectors(system, [(own, end, "output") for end, own in self._outer("output")])
+        self._add_connectors(system, self._names)
         if self._given():
             binding = self._add(self._add(system, "ssd:ParameterBindings"), "ssd:ParameterBinding", source=VALUES)
             self._add(binding, "ssd:ParameterMapping", source=MAPPING)
@@ -121,14 +117,17 @@ class Documents:
             given[channel.target] = first
         return given
 
-    def _outer(self, causality: str) -> Iterable[tuple[End, str]]:
-        return ((end, own) for end, own in self._names.items() if self._variables[end].causality == causality)
-
-    def _connected(self) -> Iterable[End]:
-        """Give all variables that have a connector."""
-        yield from self._names
+    def _connected(self) -> dict[End, str]:
+        """Return all variables that have a connector, those driven and all outputs, with their own names."""
+        ends = [*self._names]
         for connection in self._system.connections:
-            yield from (connection.source, connection.target)
+            ends += (connection.source, connection.target)
+        ends += (
+            end
+            for end, variable in self._variables.items()
+            if variable.causality == "output" and variable.type not in OPAQUE and variable.array is None
+        )
+        return {end: end[1] for end in ends}
 
     def _add_component(self, elements: Any, component: Component) -> None:  # noqa: ANN401
         node = self._add(
@@ -139,19 +138,15 @@ class Documents:
             source=self._sources[component.name],
             implementation=component.fmu.interface,
         )
-        ends = dict.fromkeys(end for end in self._connected() if end[0] == component.name)
-        self._add_connectors(node, [(end[1], end, self._variables[end].causality) for end in ends])
+        self._add_connectors(node, {e: name for e, name in self._connected().items() if e[0] == component.name})
 
-    def _add_connectors(self, node: Any, connectors: list[tuple[str, End, str]]) -> None:  # noqa: ANN401
-        if node.tag.endswith("System"):
-            inputs = [(own, end, "input") for end, own in self._outer("input")]
-            connectors = inputs + connectors
-        if not connectors:
+    def _add_connectors(self, node: Any, names: Mapping[End, str]) -> None:  # noqa: ANN401
+        if not names:
             return
         around = self._add(node, "ssd:Connectors")
-        for name, end, kind in connectors:
-            connector = self._add(around, "ssd:Connector", name=name, kind=kind)
+        for end, name in names.items():
             variable = self._variables[end]
+            connector = self._add(around, "ssd:Connector", name=name, kind=variable.causality)
             match variable.type:
                 case "Enumeration" if variable.literals:
                     self._add(connector, "ssc:Enumeration", name=_enumeration(end))
@@ -168,13 +163,14 @@ class Documents:
         return self._types[end] if self._version == "2.0" else self._variables[end].type
 
     def _add_connections(self, system: Any) -> None:  # noqa: ANN401
-        inside = [(c.source, c.target, c.factor, c.offset) for c in self._system.connections]
-        if not inside and not self._names:
+        if not self._system.connections and not self._names:
             return
         around = self._add(system, "ssd:Connections")
-        for end, own in self._outer("input"):
+        for end, own in self._names.items():
             self._add(around, "ssd:Connection", startConnector=own, endElement=end[0], endConnector=end[1])
-        for source, target, factor, offset in inside:
+        for connection in self._system.connections:
+            source, target = connection.source, connection.target
+            factor, offset = connection.factor, connection.offset
             node = self._add(
                 around,
                 "ssd:Connection",
@@ -187,8 +183,11 @@ class Documents:
                 # The whole of it is written, so that it is exactly what it was.
                 node.set("suppressUnitConversion", "true")
                 self._add(node, "ssc:LinearTransformation", factor=repr(factor), offset=repr(offset))
-        for end, own in self._outer("output"):
-            self._add(around, "ssd:Connection", startElement=end[0], startConnector=end[1], endConnector=own)
+            if connection.table:
+                kind = "Boolean" if self._variables[source].type == "Boolean" else "Integer"
+                table = self._add(node, f"ssc:{kind}MappingTransformation")
+                for one, other in connection.table:
+                    self._add(table, "ssc:MapEntry", source=str(int(one)), target=str(int(other)))
 
     def _conversion(self, source: End, target: End) -> tuple[float, float]:
         """Return what a reader does to a value because of the units alone."""
