@@ -159,7 +159,9 @@ def wiper_system(drawing: Drawing, path: Path) -> None:
         ground = 1e3 * np.reshape(side.ground, (2, 1))
         axes.plot(*(ground + 1e3 * side.b * ring), color=GREY, linestyle="--", linewidth=1.0)
         inner, outer = (1e3 * points for points in side.wiper_points(crank))
-        axes.plot(*np.stack([inner, outer], axis=1), color=colour, linewidth=0.5, alpha=0.5)
+        # one line with gaps: many lines take long to draw
+        gaps = np.full_like(inner, np.nan)
+        axes.plot(*np.stack([inner, outer, gaps], axis=2).reshape(2, -1), color=colour, linewidth=0.5, alpha=0.5)
         axes.plot(*outer, ":", color=colour, linewidth=0.9)
         inner, outer = (1e3 * points[:, 0] for points in side.wiper_points(shown))
         joint = 1e3 * side.joint(shown)[:, 0]
