@@ -15,8 +15,8 @@ Cosim = Callable[..., Result]
 @pytest.mark.parametrize(
     ("option", "message"),
     [
-        (["--measured", "nothing.csv"], "nothing.csv: no such file; --measured takes a CSV table"),
-        (["--measured", "force.csv"], "force.csv: no column 'torque [N.m]' beside time; there are force"),
+        (["--measured", "nothing.csv"], "nothing.csv: there is no such measurement"),
+        (["--measured", "force.csv"], "force.csv: no column for the torque or current among time, force"),
         (["--set", "earl=1"], "--set earl=1: there is no 'earl'; accepted are span, early, late"),
         (["--set", "early=-1 s"], "early -1.0 s: a tolerance of the park prediction must not be negative"),
     ],

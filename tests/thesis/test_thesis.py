@@ -148,7 +148,7 @@ def test_a_measured_torque_is_averaged_as_the_source_does(tmp_path: Path) -> Non
     rows = "\n".join(f"{t!r},{m!r}" for t, m in zip(time.tolist(), torque.tolist(), strict=True))
     path.write_text(f"time [s],torque [N.m]\n{rows}\n", encoding="utf-8")
     found = read_measured(path)
-    assert found.label == "Measured data, bench"
+    assert found.label == "Measured data, bench.csv"
     ramp = np.clip((time - 0.999) / 0.11, 0.0, 1.0) * 10.0
     np.testing.assert_allclose(found.torque, ramp, atol=0.1)
     assert found.torque[-1] == pytest.approx(10.0)
@@ -157,11 +157,11 @@ def test_a_measured_torque_is_averaged_as_the_source_does(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (None, "no such file"),
-        ("time [s],force [N]\n0,1\n1,2\n", "no column 'torque [N.m]' beside time; there are force"),
-        ("time [s],torque [N.m]\n0,1\n0,2\n", "time must increase from row to row"),
-        ("time [s],torque [N.m]\n0,1\n1,\n", "is nan at 1 s, not a finite number"),
-        ("time [s],torque [kg]\n0,1\n1,2\n", "is in kg, expected is N.m"),
+        (None, "there is no such measurement"),
+        ("time [s],force [N]\n0,1\n1,2\n", "no column for the torque or current among time, force"),
+        ("time [s],current [A]\n0,1\n1,2\n", "has no torque, which --measured draws into figure 3.6"),
+        ("time [s],torque [N.m]\n0,1\n0,2\n", "'time' must increase from row to row"),
+        ("time [s],torque [kg]\n0,1\n1,2\n", "the torque is in kg"),
     ],
 )
 def test_a_measured_torque_that_cannot_be_read_is_refused(tmp_path: Path, content: str | None, message: str) -> None:

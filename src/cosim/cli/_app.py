@@ -331,7 +331,10 @@ def thesis(
     ] = None,
     measured: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.csv", help="Measured torque for figure 3.6: columns 'time [s]' and 'torque [N.m]'."),
+        typer.Option(
+            metavar="FILE",
+            help="Measured torque for figure 3.6: .csv with 'time [s]' and 'torque [N.m]', .xlsx, .mat, .mf4.",
+        ),
     ] = None,
     quiet: Quiet = False,
     as_json: Json = False,

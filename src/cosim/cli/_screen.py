@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
-from cosim.errors import CosimError, FmuWarning, ModelWarning
+from cosim.errors import CosimError, FmuWarning, MeasurementWarning, ModelWarning
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
 
-_TOLD = (FmuWarning, ModelWarning)
+_TOLD = (FmuWarning, MeasurementWarning, ModelWarning)
 _LONG_RUN = 0.7
 """A progress bar is shown for runs that take longer than this [s]."""
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from cosim.assessment import Rules
 from cosim.cli._builtin import locate
 from cosim.cli._choices import choices
-from cosim.cli._screen import Screen
+from cosim.cli._screen import Screen, warned
 from cosim.fmu.catalogue import data_folder
 from cosim.thesis import reproduce
 
@@ -17,7 +17,7 @@ from cosim.thesis import reproduce
 def reproduce_thesis(out: Path, settings: Sequence[str], measured: Path | None, screen: Screen) -> None:
     """Make everything in ``out`` and say what was made."""
     rules = choices(Rules, settings) if settings else None
-    with screen.working("simulating and drawing") as status:
+    with warned(screen), screen.working("simulating and drawing") as status:
         update: Callable[[str], None] = getattr(status, "update", lambda _: None)
         made = reproduce(out, data_folder() / "scenarios", locate, rules=rules, measured=measured, say=update)
     screen.document({

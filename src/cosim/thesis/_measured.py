@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.assessment import trace
 from cosim.errors import InputError
+from cosim.measurement import read
 
 Array = NDArray[np.float64]
 
@@ -27,23 +27,22 @@ class Measured:
 
 
 def read_measured(path: Path) -> Measured:
-    """Read a table with the columns time and torque, with units in brackets or in s and N.m.
+    """Read a measurement in any form that `cosim.measurement.read` knows, a CSV table with time and torque among them.
 
     The torque is averaged over the last 0.11 s, and taken to be zero before the first row, as by the source's filter.
+    Rows without a torque are left out.
 
     Raises:
-        InputError: there is no such file, a column is missing, or holds what is no number; time does not increase.
+        InputError: there is no such file, it cannot be read, or has no torque.
     """
-    if not path.is_file():
-        raise InputError(
-            "no such file; --measured takes a CSV table with the columns time [s] and torque [N.m]", file=path
-        )
-    found = trace(path)
+    found = read(path)
     if not found.has("torque"):
         raise InputError(
-            f"no column 'torque [N.m]' beside time; there are {', '.join(found.columns) or 'no others'}", file=path
+            "has no torque, which --measured draws into figure 3.6; there must be time and torque", file=path
         )
-    time, torque = found.time - found.time[0], found.signal("torque", "N.m")
+    torque = found.values("torque")
+    known = np.isfinite(torque)
+    time, torque = found.values("time")[known], torque[known]
     area = np.concatenate([[0.0], np.cumsum(np.diff(time) * 0.5 * (torque[1:] + torque[:-1]))])
     before = np.interp(time - WINDOW, time, area, left=0.0)
-    return Measured(time, (area - before) / WINDOW, f"Measured data, {path.stem}")
+    return Measured(time, (area - before) / WINDOW, f"Measured data, {found.name}")

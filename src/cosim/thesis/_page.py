@@ -96,7 +96,7 @@ def _linkage(evidence: Evidence, measured: Measured | None) -> Iterator[str]:
         f"Figure 3.6: the crank torque peaks at {peaks[0]:.1f} N.m with the naive load and at {peaks[1]:.1f} N.m with "
         "the simple one of equation 3.1. "
         + (
-            "The measured curve is the supplier's and not in the source; `cosim thesis --measured FILE.csv` draws it."
+            "The measured curve is the supplier's and not in the source; `cosim thesis --measured FILE` draws it."
             if measured is None
             else f"{measured.label}: mean {measured.torque.mean():.1f} N.m, greatest {measured.torque.max():.1f} N.m, "
             "a moving average over 0.11 s as in B.1.5."

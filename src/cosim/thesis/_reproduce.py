@@ -48,11 +48,11 @@ def reproduce(
         scenarios: the folder of the shipped scenarios.
         locate: gives the FMU of a built-in plant or controller.
         rules: how table 4.1 is read beside the strict reading; by default as a plot shows it.
-        measured: a CSV or Parquet table with the columns time and torque, drawn in figure 3.6.
+        measured: a measurement with time and torque, drawn in figure 3.6.
         say: is told what comes next.
 
     Raises:
-        InputError: the measured table cannot be read.
+        InputError: the measurement cannot be read.
         CosimError: an FMU cannot be built, or a simulation fails.
     """
     curve = None if measured is None else read_measured(measured)
