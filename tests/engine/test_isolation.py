@@ -347,7 +347,7 @@ def test_runs_and_crashes_leave_nothing_behind(
     results = run_of_every_kind(fmu, count)
     deadline = time.perf_counter() + 2.0
     while leftovers() != before and time.perf_counter() < deadline:
-        time.sleep(0.01)  # the guardians of the last runs end
+        time.sleep(0.01)
     assert leftovers() == before
     assert list(folder.iterdir()) == []
     assert len(results) == count  # they are still there, and take no files
@@ -368,9 +368,9 @@ def test_a_worker_does_not_outlive_the_process_that_wanted_it(fmu_path: Callable
     script = [sys.executable, "-c", HANGING, str(fmu_path("crash", 3))]
     with subprocess.Popen(script, env=os.environ | {"CRASH": "DoStep spin"}) as process:
         deadline = time.perf_counter() + 20.0
-        while len(started := descendants(process.pid)) < 3 and time.perf_counter() < deadline:
+        while len(started := descendants(process.pid)) < 2 and time.perf_counter() < deadline:
             time.sleep(0.02)
-        assert len(started) == 3  # nursery, guardian, worker
+        assert len(started) == 2  # nursery and worker
         process.kill()
     deadline = time.perf_counter() + 5.0
     while any(Path(f"/proc/{pid}").exists() for pid in started) and time.perf_counter() < deadline:

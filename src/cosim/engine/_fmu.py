@@ -150,7 +150,7 @@ class Fmu:
         }
         self.has_continuous_states = bool(description.derivatives)
         self.log_categories = tuple(category.name for category in description.logCategories)
-        self._description = description
+        self._token = description.guid
         self._loaded: list[Library] = []
         self._folder = tempfile.mkdtemp(prefix="cosim-")
         self._finalizer = weakref.finalize(self, _release, self._folder, self._loaded)
@@ -214,7 +214,7 @@ class Fmu:
         working_folder = Path.cwd()
         try:
             return kind(
-                guid=self._description.guid,
+                guid=self._token,
                 modelIdentifier=self.model_identifier,
                 unzipDirectory=self._folder,
             )

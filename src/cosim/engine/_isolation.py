@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple, TypeGuard, get_args
 from cosim.engine._board import Board
 from cosim.engine._calls import CALLS, LOADING, UNLOADING, Site
 from cosim.engine._execution import Ending, Job, execute, instantiated, interruption_message
-from cosim.engine._library import native_library
+from cosim.engine._library import native_library, preload
 from cosim.engine._log import SILENCE
 from cosim.engine._plan import roles_of
 from cosim.engine._record import Record, place_of
@@ -110,6 +110,11 @@ def run_isolated(
         worker.start(_serve, job, loop, len(record.grid), width, most_memory=memory)
         ending = supervisor.look_after(worker, progress)
         return record.apart(), ending
+
+
+def get_ready() -> None:
+    """Load in advance what every worker needs."""
+    preload()
 
 
 def _serve(memory: memoryview, answer: Answer, job: Job, loop: str, n_rows: int, width: int) -> None:

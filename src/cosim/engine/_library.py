@@ -41,6 +41,13 @@ def native_library(choice: str | None = None) -> ctypes.CDLL | None:
     return library
 
 
+def preload() -> None:
+    """Load the library if there is one, and nothing needs to be compiled."""
+    name = _compilation.file_name(host_name())
+    if any((folder / name).is_file() for folder in (_compilation.SOURCES / "prebuilt", cache_folder())):
+        _load()
+
+
 @functools.cache
 def _load() -> ctypes.CDLL | BuildError:
     """Load or build the library, once per process; a failure is remembered, too."""

@@ -1,15 +1,16 @@
 """A process that has loaded all modules and forks itself for each worker: that takes milliseconds.
 
 It is started by the first worker of this process and ends with it. It runs in one thread and calls no FMU, so that a
-fork of it is as good as a new process. Between it and the worker stands another fork, the guardian, which waits for the
-worker's end and tells of it. POSIX only.
+fork of it is as good as a new process. It also waits for the workers' ends, and tells of them. POSIX only.
 """
 
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import os
+import select
 import signal
 import socket
 import struct
@@ -27,10 +28,10 @@ _BOOT = "import sys; sys.path[:] = {path!r}; from cosim.worker._nursery import m
 _SINGLE_THREADED = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 BORN = struct.Struct("=q")
-"""What a guardian tells first: the worker's process id."""
+"""What is told first: the worker's process id."""
 
 ENDED = struct.Struct("=qd")
-"""What it tells last: the worker's exit code, or minus the signal, and the most memory that it had [bytes]."""
+"""What is told last: the worker's exit code, or minus the signal, and the most memory that it had [bytes]."""
 
 
 def boot_path() -> list[str]:
@@ -98,46 +99,69 @@ def dismiss() -> None:
 
 
 def main(channel: int, preload: str) -> NoReturn:
-    """Fork for each request until there come no more."""
+    """Fork for each request until there come no more, and tell how each worker ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever started this process decides what Ctrl-C means
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for guardians
-    importlib.import_module(preload)
+    module = importlib.import_module(preload)
+    module.get_ready()
+    gc.collect()
+    gc.freeze()  # so that workers do not copy what they only look at
     requests = socket.socket(fileno=channel)
+    woken, waker = socket.socketpair()
+    waker.setblocking(False)
+    signal.set_wakeup_fd(waker.fileno(), warn_on_full_buffer=False)
+    signal.signal(signal.SIGCHLD, lambda *_: None)
+    statuses: dict[int, int] = {}
     while True:
-        request, descriptors, _, _ = socket.recv_fds(requests, 1, 8)
-        if not request:
-            os._exit(0)
-        if os.fork() == 0:
-            _guard(channel, descriptors)
-        for descriptor in descriptors:
-            os.close(descriptor)
+        ready, _, _ = select.select([requests, woken], [], [])
+        if woken in ready:
+            woken.recv(4096)
+            _tell_ends(statuses)
+        if requests in ready:
+            request, descriptors, _, _ = socket.recv_fds(requests, 1, 8)
+            if not request:
+                os._exit(0)
+            memory, jobs, answers, status, *errors = descriptors
+            worker = os.fork()
+            if worker == 0:
+                signal.set_wakeup_fd(-1)
+                signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+                for descriptor in (requests.detach(), woken.detach(), waker.detach(), status, *statuses.values()):
+                    os.close(descriptor)
+                _become_worker(memory, jobs, answers, errors)
+            with contextlib.suppress(OSError):  # it may have done so itself
+                os.setpgid(worker, worker)
+            for descriptor in (memory, jobs, answers, *errors):
+                os.close(descriptor)
+            statuses[worker] = status
+            _tell(status, BORN.pack(worker))
 
 
-def _guard(requests: int, descriptors: Sequence[int]) -> NoReturn:
-    """Fork once more, and tell how that ends."""
-    memory, jobs, answers, status, *errors = descriptors
-    os.close(requests)
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-    child = os.fork()
-    if child == 0:
-        os.setpgid(0, 0)
-        os.close(status)
-        for descriptor in errors:
-            os.dup2(descriptor, 2)
-            os.close(descriptor)
-        null = os.open(os.devnull, os.O_RDWR)
-        quiet_channels(null)
-        os.close(null)
-        work(str(memory), jobs, answers)
-    with contextlib.suppress(OSError):  # it may have done so itself
-        os.setpgid(child, child)
-    for descriptor in (memory, jobs, answers, *errors):
+def _become_worker(memory: int, jobs: int, answers: int, errors: Sequence[int]) -> NoReturn:
+    os.setpgid(0, 0)
+    for descriptor in errors:
+        os.dup2(descriptor, 2)
         os.close(descriptor)
-    os.write(status, BORN.pack(child))
-    _, ended, usage = os.wait4(child, 0)
-    code = os.waitstatus_to_exitcode(ended)
-    if code:
-        with contextlib.suppress(OSError):  # what it has started
-            os.killpg(child, signal.SIGKILL)
-    os.write(status, ENDED.pack(code, usage.ru_maxrss * (1.0 if sys.platform == "darwin" else 1024.0)))
-    os._exit(0)
+    null = os.open(os.devnull, os.O_RDWR)
+    quiet_channels(null)
+    os.close(null)
+    work(str(memory), jobs, answers)
+
+
+def _tell_ends(statuses: dict[int, int]) -> None:
+    """Tell of all workers that have ended."""
+    while statuses:
+        worker, ended, usage = os.wait4(-1, os.WNOHANG)
+        if not worker:
+            return
+        code = os.waitstatus_to_exitcode(ended)
+        if code:
+            with contextlib.suppress(OSError):  # what it has started
+                os.killpg(worker, signal.SIGKILL)
+        status = statuses.pop(worker)
+        _tell(status, ENDED.pack(code, usage.ru_maxrss * (1.0 if sys.platform == "darwin" else 1024.0)))
+        os.close(status)
+
+
+def _tell(status: int, content: bytes) -> None:
+    with contextlib.suppress(BrokenPipeError):  # nobody wants to know any more
+        os.write(status, content)

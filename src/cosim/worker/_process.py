@@ -17,7 +17,7 @@ from cosim.worker._death import Death
 from cosim.worker._shared import Shared
 
 _PRELOAD = "cosim.engine._isolation"
-"""The module that a worker loads before it gets its job, so that it has no need to then."""
+"""The module that a worker loads before it gets its job, so that it has no need to then; it has ``get_ready``."""
 
 
 class Transport(Protocol):
