@@ -14,7 +14,8 @@ from cosim.cli._screen import INTERRUPTED, Screen, reporting, warned
 app = typer.Typer(
     name="cosim",
     help="Simulate windscreen wiper drives, and any other FMUs, from CSV scenarios; export Modelica models as FMUs.",
-    epilog="Exit codes: 0 done, 2 the input is wrong, 3 a build or a simulation failed, 130 interrupted.",
+    epilog="Exit codes: 0 done, 1 a requirement is not met, 2 the input is wrong, 3 a build or a simulation failed, "
+    "130 interrupted.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -345,6 +346,54 @@ def thesis(
         from cosim.cli._thesis import reproduce_thesis
 
         reproduce_thesis(out / "thesis", settings or [], measured, screen)
+
+
+@app.command(name="compare")
+def compare_command(
+    result: Annotated[Path, typer.Argument(metavar="RESULT", help="Folder written by cosim run.", show_default=False)],
+    measurements: Annotated[
+        list[Path],
+        typer.Argument(metavar="MEASUREMENT...", help="Files: .xlsx, .mat, .csv or .mf4.", show_default=False),
+    ],
+    *,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where to put comparison.json and the pictures; default RESULT.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="quantity, align (correlation, onset, angle, none), smoothing, start, stop, tube_x, tube_y or "
+            "tube_y_relative, such as 'tube_x=50 ms'. Repeatable.",
+        ),
+    ] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--column", metavar="SIGNAL=COLUMN", help="Take this column of the result. Repeatable."),
+    ] = None,
+    require: Annotated[bool, typer.Option("--require", help="End with 1 unless the result stays in the tube.")] = False,
+    limits: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--limit",
+            metavar="FIGURE=NUMBER",
+            help="End with 1 if a figure is larger (correlation: smaller), such as rmse_nm=1.5. Repeatable.",
+        ),
+    ] = None,
+    plots: Annotated[bool, typer.Option("--plots/--no-plots", help="Draw PNG plots.")] = True,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Lay measured torque over a simulated one: figures of the difference, a tube with a verdict, pictures."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._compare import compare_files
+
+        code = compare_files(
+            result, measurements, out, settings or [], columns or [], limits or [], screen, require=require, plots=plots
+        )
+        raise typer.Exit(code)
 
 
 @app.command(name="score")

@@ -1,4 +1,4 @@
-"""Options of ``cosim score``: choices by name, columns by signal; and how it prints tables."""
+"""Options of ``cosim score`` and ``cosim compare``: choices by name, columns by signal; and how it prints tables."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from dataclasses import Field, fields
 from typing import Any, TypeVar
 
 from cosim.assessment import Method, Rules
+from cosim.comparison import Options
 from cosim.errors import InputError
 from cosim.units import compatible, convert, parse, quantity
 
-Choices = TypeVar("Choices", Rules, Method)
+Choices = TypeVar("Choices", Rules, Method, Options)
 
 
 def choices(kind: type[Choices], settings: Sequence[str]) -> Choices:

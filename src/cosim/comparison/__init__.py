@@ -1,0 +1,23 @@
+"""Compares runs with measurements: alignment, figures of the difference, a tube that gives a verdict."""
+
+from cosim.comparison._alignment import Alignment
+from cosim.comparison._compare import Comparison, Revolutions, compare
+from cosim.comparison._curve import Curve, Pair, on_one_grid
+from cosim.comparison._options import Options, Quantity
+from cosim.comparison._plot import draw
+from cosim.comparison._tube import Tube, tube
+
+__all__ = [
+    "Alignment",
+    "Comparison",
+    "Curve",
+    "Options",
+    "Pair",
+    "Quantity",
+    "Revolutions",
+    "Tube",
+    "compare",
+    "draw",
+    "on_one_grid",
+    "tube",
+]

@@ -1,0 +1,112 @@
+"""How much later a measurement is than a result."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.comparison._curve import Curve, on_one_grid
+from cosim.errors import InputError
+from cosim.measurement import find_onset
+
+Array = NDArray[np.float64]
+Alignment = Literal["correlation", "onset", "angle", "none"]
+
+_AS_GOOD = 2e-3
+"""Correlations that are lower by no more than this are as good: of two periods of a steady motion the nearer counts."""
+_OVERLAP = 0.5
+"""The part of the shorter signal that has to overlap."""
+POINTS = 720
+"""Samples of a revolution in the domain of the crank angle."""
+
+
+def find_lag(result: Curve, measured: Curve, method: Alignment) -> float:
+    """Return by how many seconds the measurement is later than the result; see ``find_angle`` for "angle".
+
+    "onset" compares the instants at which both begin to rise; "correlation" takes the lag at which the parts that
+    overlap, by half of the shorter one at least, correlate best, as a multiple of the coarser sampling time.
+
+    Raises `InputError` if a signal has no onset or does not vary.
+    """
+    if method == "onset":
+        step = max(result.step, measured.step)
+        return _onset(measured, step) - _onset(result, step)
+    if method == "correlation":
+        return correlation_lag(result, measured)
+    return 0.0
+
+
+def _onset(curve: Curve, step: float) -> float:
+    """The instant [s] of the onset, looked for in samples that are ``step`` [s] apart."""
+    try:
+        return float(curve.time[0]) + step * find_onset(_uniform(curve, step), "correlation")
+    except InputError as error:
+        raise InputError(f"{curve.name}: {error}") from error
+
+
+def correlation_lag(result: Curve, measured: Curve) -> float:
+    """Return the lag [s] of best correlation; see ``find_lag``."""
+    shift = measured.time[0] - result.time[0]
+    # both from zero on one step, each with all of its samples
+    step = max(result.step, measured.step)
+    a, b = (_uniform(curve, step) for curve in (result, measured))
+    correlation = _correlations(a, b)
+    best = float(np.nanmax(correlation)) if not np.isnan(correlation).all() else float("nan")
+    if np.isnan(best):
+        raise InputError(f"{result.name} or {measured.name} does not vary; there is nothing to align")
+    lags = step * (np.arange(len(correlation)) - (len(a) - 1)) + shift
+    good = np.flatnonzero(correlation >= best - _AS_GOOD)
+    # of neighbouring lags that are as good, the best; of humps that are, the nearest
+    humps = np.split(good, np.flatnonzero(np.diff(good) > 1) + 1)
+    tops = [int(hump[np.nanargmax(correlation[hump])]) for hump in humps]
+    return float(lags[min(tops, key=lambda k: abs(lags[k]))])
+
+
+def _uniform(curve: Curve, step: float) -> Array:
+    length = curve.time[-1] - curve.time[0]
+    grid = Curve("", curve.time[0] + step * np.arange(int(length / step * (1 + 1e-9)) + 1), np.empty(0))
+    return on_one_grid(curve, replace(grid, values=np.zeros(len(grid.time)))).result
+
+
+def _correlations(a: Array, b: Array) -> Array:
+    """Return Pearson's correlation of a[i] with b[i + lag] over the overlap, for lag = 1 - len(a) to len(b) - 1."""
+    from scipy.signal import fftconvolve
+
+    a, b = a - a.mean(), b - b.mean()
+    one_a, one_b = np.ones(len(a)), np.ones(len(b))
+
+    def over_lags(x: Array, y: Array) -> Array:
+        return np.asarray(fftconvolve(y, x[::-1]), dtype=np.float64)
+
+    count = np.round(over_lags(one_a, one_b))
+    sum_a, sum_b = over_lags(a, one_b), over_lags(one_a, b)
+    covariance = over_lags(a, b) - sum_a * sum_b / count
+    spread_a = over_lags(a**2, one_b) - sum_a**2 / count
+    spread_b = over_lags(one_a, b**2) - sum_b**2 / count
+    enough = count >= _OVERLAP * min(len(a), len(b))
+    scale = 1e-9 * count
+    varies = (spread_a > scale * a.var()) & (spread_b > scale * b.var())
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlation = covariance / np.sqrt(spread_a * spread_b)
+    return np.where(enough & varies, correlation, np.nan)
+
+
+def over_angle(curve: Curve) -> Curve:
+    """Return a curve over the crank angle instead of time: ``time`` holds revolutions, from 0 on, POINTS each.
+
+    Raises `InputError` if the angle is unknown, or the crank stands still or goes less than two revolutions.
+    """
+    if curve.angle is None:
+        raise InputError(
+            f"{curve.name}: the crank angle is unknown; it follows from a column phi_crank or from the speed"
+        )
+    angle = np.maximum.accumulate(curve.angle - curve.angle[0])
+    turns = angle / (2.0 * np.pi)
+    moving = np.concatenate(([True], np.diff(turns) > 0))
+    if turns[-1] < 2.0:
+        raise InputError(f"{curve.name}: the crank makes {turns[-1]:.2f} revolutions; at least two are needed")
+    grid = np.arange(int(turns[-1] * POINTS) + 1) / POINTS
+    return replace(curve, time=grid, values=np.interp(grid, turns[moving], curve.values[moving]), angle=None)

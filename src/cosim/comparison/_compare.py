@@ -1,0 +1,237 @@
+"""Compares the torque, current or speed of a run with that of a measurement."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.assessment import Trace, trace
+from cosim.comparison import _measures as measures
+from cosim.comparison._alignment import POINTS, find_lag, over_angle
+from cosim.comparison._curve import Curve, Pair, on_one_grid
+from cosim.comparison._options import SIGNALS, Options
+from cosim.comparison._revolutions import Envelope, envelope, share_inside, turned
+from cosim.comparison._tube import Tube, tube
+from cosim.engine import Result
+from cosim.errors import InputError
+from cosim.measurement import Measurement, smooth
+from cosim.measurement._processing import AVERAGE
+from cosim.measurement._supplier import SAMPLE_TIME
+
+Array = NDArray[np.float64]
+
+_HIGHEST = 20.0
+"""Frequencies [Hz] up to which the coherence is reported."""
+
+
+@dataclass(frozen=True)
+class Revolutions:
+    """Both over the crank angle; the measurement's is turned back by ``shift`` of the points of a revolution."""
+
+    result: Envelope
+    measured: Envelope
+    shift: int
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A result and a measurement on one grid, and how well they agree.
+
+    ``pair`` has both at the same instants of the result's time, in ``unit`` (in revolutions of the crank instead of
+    seconds if aligned by "angle"); ``lag`` [s] is by how much the measurement was later. ``tube`` lies around the
+    measurement, ``outside`` of shape (n,) tells by how much the result leaves it. ``timing`` [s] is how much later each
+    peak of the result is than the measurement's. ``coherence`` is a pair of frequencies [Hz] and values.
+    """
+
+    result: str
+    measurement: str
+    options: Options
+    unit: str
+    suffix: str
+    pair: Pair
+    lag: float
+    tube: Tube
+    outside: Array
+    timing: Array
+    coherence: tuple[Array, Array]
+    revolutions: Revolutions | None
+    notes: tuple[str, ...]
+    synthetic: bool
+
+    @property
+    def tube_pass(self) -> bool:
+        """Whether the result stays inside the tube."""
+        return not bool(self.outside.any())
+
+    def figures(self) -> dict[str, float]:
+        """Return the figures by name; those with a unit end in it."""
+        line = measures.line(self.pair)
+        unit = self.suffix
+        return {
+            f"rmse_{unit}": measures.rmse(self.pair),
+            "nrmse": measures.nrmse(self.pair),
+            f"bias_{unit}": measures.bias(self.pair),
+            f"peak_error_{unit}": measures.peak_error(self.pair),
+            f"valley_error_{unit}": measures.valley_error(self.pair),
+            "correlation": measures.correlation(self.pair),
+            "gain": line.gain,
+            f"offset_{unit}": line.offset,
+            "lag_s": self.lag,
+            "peak_timing_mean_s": float(np.mean(self.timing)) if len(self.timing) else math.nan,
+            "peak_timing_worst_s": float(self.timing[np.abs(self.timing).argmax()]) if len(self.timing) else math.nan,
+            f"tube_excess_{unit}": float(self.outside.max()),
+            "tube_outside": float(np.mean(self.outside > 0.0)),
+            "coherence_mean": self._coherence_mean(),
+        }
+
+    def to_dict(self) -> dict[str, object]:
+        """Return everything as a JSON document; what is not a number becomes None."""
+        figures = {name: value if math.isfinite(value) else None for name, value in self.figures().items()}
+        turns = self.revolutions
+        return {
+            "result": self.result,
+            "measurement": self.measurement,
+            "synthetic": self.synthetic,
+            "quantity": self.options.quantity,
+            "unit": self.unit,
+            "align": self.options.align,
+            "smoothing": self.options.smoothing,
+            **figures,
+            "tube_pass": self.tube_pass,
+            "samples": len(self.pair.time),
+            "step_s": self.pair.step,
+            "peaks": len(self.timing),
+            "envelope_inside": share_inside(turns.result, turns.measured, turns.shift) if turns else None,
+            "revolutions": [turns.result.revolutions, turns.measured.revolutions] if turns else None,
+            "coherence": {
+                "frequency_hz": self.coherence[0].tolist(),
+                "value": [v if math.isfinite(v) else None for v in self.coherence[1].tolist()],
+            },
+            "notes": list(self.notes),
+        }
+
+    def _coherence_mean(self) -> float:
+        """The coherence where the measurement has its power: weighted by the power of each frequency."""
+        frequencies, values = self.coherence
+        if not len(values) or np.isnan(values).any():
+            return math.nan
+        fluctuation = self.pair.measured - self.pair.measured.mean()
+        power = np.abs(np.fft.rfft(fluctuation)) ** 2
+        weights = np.interp(frequencies, np.fft.rfftfreq(len(fluctuation), self.pair.step), power)
+        return float(weights @ values / weights.sum()) if weights.sum() > 0.0 else math.nan
+
+
+def compare(
+    result: Trace | Result | Path | str,
+    measurement: Measurement,
+    options: Options | None = None,
+    *,
+    aliases: Mapping[str, str] | None = None,
+) -> Comparison:
+    """Lay a measurement over a result and measure the difference, result minus measurement.
+
+    Args:
+        result: what ``cosim run`` wrote or ``simulate`` returned.
+        measurement: what ``cosim.measurement.read`` returned.
+        options: quantity, alignment, smoothing and tube.
+        aliases: the result's column for a signal, if it is called otherwise than usual.
+
+    Raises:
+        InputError: a signal is missing, they have no time in common, or cannot be aligned.
+    """
+    options = options or Options()
+    run = trace(result, aliases=aliases)
+    signal, unit, suffix = SIGNALS[options.quantity]
+    simulated, notes = _of_run(run, signal, unit), list[str]()
+    measured = _of_measurement(measurement, options.quantity, notes)
+    part = simulated.between(options.start, options.stop)
+    turns = _revolutions(part, measured, notes)
+    if options.align == "angle":
+        period = _period(measured)
+        pair, lag = _over_angle(part, measured)
+        half_width = options.tube_x / _period(part)
+        lag *= period
+    else:
+        period = 1.0
+        lag = find_lag(part, measured, options.align)
+        pair, half_width = on_one_grid(part, measured.later(-lag)), options.tube_x
+    if options.smoothing != "none":
+        length = max(3, round(AVERAGE * SAMPLE_TIME / (pair.step * period)))
+        pair = Pair(pair.time, *(smooth(values, options.smoothing, length) for values in (pair.result, pair.measured)))
+    height = max(options.tube_y, options.tube_y_relative * float(np.ptp(pair.measured)))
+    around = tube(pair.time, pair.measured, half_width, height)
+    timed = Pair(pair.time * period, pair.result, pair.measured)
+    return Comparison(
+        result=run.name,
+        measurement=measurement.name,
+        options=options,
+        unit=unit,
+        suffix=suffix,
+        pair=pair,
+        lag=lag,
+        tube=around,
+        outside=around.outside(pair.time, pair.result),
+        timing=measures.peak_timing(timed),
+        coherence=measures.coherence(timed, _HIGHEST),
+        revolutions=turns,
+        notes=tuple(notes),
+        synthetic=measurement.meta["synthetic"],
+    )
+
+
+def _of_run(run: Trace, signal: str, unit: str) -> Curve:
+    angle = run.signal("phi_crank", "rad") if run.has("phi_crank") else None
+    return Curve(run.name, run.time, run.signal(signal, unit), angle)
+
+
+def _of_measurement(measurement: Measurement, quantity: str, notes: list[str]) -> Curve:
+    if not measurement.has(quantity):
+        there = [name for name in measurement.frame.columns if name != "time" and measurement.has(name)]
+        raise InputError(f"{measurement.meta['source']}: the {quantity} was not measured; there is {', '.join(there)}")
+    time = measurement.values("time")
+    values = measurement.speed() if quantity == "speed" else measurement.values(quantity)
+    gaps = np.isnan(values)
+    if gaps.any():
+        notes.append(f"{int(gaps.sum())} samples of the measurement are no numbers; interpolated")
+        values = np.interp(time, time[~gaps], values[~gaps])
+    return Curve(measurement.name, time, values, _angle(measurement))
+
+
+def _angle(measurement: Measurement) -> Array | None:
+    """Return the crank angle as the integral of the speed, None if that was not measured."""
+    if not measurement.has("speed"):
+        return None
+    time, speed = measurement.values("time"), measurement.speed()
+    good = ~np.isnan(speed)
+    speed = np.interp(time, time[good], speed[good])
+    return np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))))
+
+
+def _revolutions(result: Curve, measured: Curve, notes: list[str]) -> Revolutions | None:
+    try:
+        a, b = (envelope(over_angle(curve)) for curve in (result, measured))
+    except InputError as error:
+        notes.append(f"no comparison over the revolution: {error}")
+        return None
+    return Revolutions(a, b, turned(a, b))
+
+
+def _over_angle(result: Curve, measured: Curve) -> tuple[Pair, float]:
+    """Return both over the angle, and by how many revolutions the measurement was turned back."""
+    a, b = over_angle(result), over_angle(measured)
+    shift = turned(envelope(a), envelope(b)) / POINTS
+    return on_one_grid(a, replace(b, time=b.time - shift)), shift
+
+
+def _period(curve: Curve) -> float:
+    """The mean duration [s] of a revolution."""
+    if curve.angle is None:
+        raise InputError(
+            f"{curve.name}: the crank angle is unknown; it follows from a column phi_crank or from the speed"
+        )
+    return float(2.0 * np.pi * (curve.time[-1] - curve.time[0]) / (curve.angle[-1] - curve.angle[0]))

@@ -1,0 +1,138 @@
+"""``cosim compare``: a result beside measurements; figures, verdict and exit code."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import Result
+
+from cosim import engine
+from cosim.report import write_parquet
+
+Cosim = Callable[..., Result]
+SPEED = 5.0
+TIME = np.arange(0.0, 12.0, 0.002)
+
+
+def torque(time: np.ndarray) -> np.ndarray:
+    return np.asarray((1 - np.exp(-4 * time)) * (12 + 6 * np.sin(2 * SPEED * time) + 2 * np.cos(SPEED * time)))
+
+
+@pytest.fixture
+def result(tmp_path: Path) -> Path:
+    columns = {"plant.tau_crank": torque(TIME), "plant.phi_crank": SPEED * TIME, "plant.i_motor": torque(TIME)}
+    run = engine.Result(TIME, columns, {"plant.tau_crank": "N.m", "plant.phi_crank": "rad", "plant.i_motor": "A"})
+    (tmp_path / "x").mkdir()
+    write_parquet(run, tmp_path / "x" / "results.parquet", {"complete": True})
+    return tmp_path / "x"
+
+
+def measured(path: Path, gain: float = 1.0, offset: float = 0.0, late: float = 0.0, synthetic: bool = False) -> Path:
+    """The same motor, seen ``late`` seconds later, by a meter with a gain and an offset."""
+    time = np.arange(0.0, 14.0, 0.002)
+    seen = np.where(time < late, 0.0, torque(np.maximum(time - late, 0.0)))
+    lines = [f"# synthetic: {str(synthetic).lower()}", "time [s],torque [N.m],speed [rad/s]"]
+    lines += [f"{t!r},{(v - offset) / gain!r},{SPEED}" for t, v in zip(time.tolist(), seen.tolist(), strict=True)]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def document(folder: Path) -> dict[str, object]:
+    found = json.loads((folder / "comparison.json").read_text())
+    assert isinstance(found, dict)
+    return found
+
+
+def test_a_result_compared_with_itself_has_no_error(cosim: Cosim, result: Path) -> None:
+    done = cosim("compare", result, measured(Path("m.csv")), "--require", "--limit", "rmse_nm=1e-12")
+    assert done.exit_code == 0, done.output
+    found = document(result)
+    for name in ("rmse_nm", "nrmse", "bias_nm", "peak_error_nm", "valley_error_nm", "lag_s", "offset_nm"):
+        assert found[name] == pytest.approx(0.0, abs=1e-12), name
+    for name in ("correlation", "gain", "coherence_mean", "envelope_inside"):
+        assert found[name] == pytest.approx(1.0, abs=1e-6), name
+    assert (found["tube_pass"], found["samples"], found["peak_timing_worst_s"]) == (True, len(TIME), 0.0)
+    assert (result / "comparison_m.png").stat().st_size > 20000
+
+
+def test_a_known_shift_gain_and_offset_are_found(cosim: Cosim, result: Path) -> None:
+    """To one sample, 0.1 % and 1 mN.m."""
+    path = measured(Path("m.csv"), gain=1.2, offset=0.35, late=0.274)
+    assert cosim("compare", result, path, "--no-plots").exit_code == 0
+    found = document(result)
+    assert found["lag_s"] == pytest.approx(0.274, abs=0.002)
+    assert found["gain"] == pytest.approx(1.2, rel=1e-3)
+    assert found["offset_nm"] == pytest.approx(0.35, abs=1e-3)
+    assert found["correlation"] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_over_the_crank_angle_a_slower_motor_is_the_same(cosim: Cosim, result: Path) -> None:
+    time = np.arange(0.0, 20.0, 0.004)
+    angle = 0.6 * SPEED * time + 1.0
+    rows = [
+        f"{t!r},{12 + 6 * np.sin(2 * a) + 2 * np.cos(a)!r},{0.6 * SPEED!r}" for t, a in zip(time, angle, strict=True)
+    ]
+    Path("slow.csv").write_text(
+        "\n".join(["time,torque,speed [rad/s]", *(row.replace("np.float64(", "").replace(")", "") for row in rows)])
+    )
+    done = cosim("compare", result, "slow.csv", "--set", "align=angle", "--set", "start=2 s", "--no-plots")
+    assert done.exit_code == 0, done.output
+    found = document(result)
+    assert found["correlation"] == pytest.approx(1.0, abs=1e-4)
+    assert found["rmse_nm"] == pytest.approx(0.0, abs=0.05)
+    period = 2 * np.pi / (0.6 * SPEED)
+    # at 2 s the result is at 10 rad, the measurement begins at 1 rad: turned back by 9 rad, modulo one revolution
+    assert found["lag_s"] == pytest.approx((9.0 / (2 * np.pi) % 1.0) * period, abs=period / 700)
+
+
+def test_the_verdict_gives_the_exit_code(cosim: Cosim, result: Path) -> None:
+    path = measured(Path("m.csv"), gain=1.5)
+    assert cosim("compare", result, path, "--no-plots").exit_code == 0
+    done = cosim(
+        "compare", result, path, "--no-plots", "--require", "--limit", "bias_nm=1", "--limit", "correlation=0.9"
+    )
+    assert done.exit_code == 1
+    first, second = done.stderr.splitlines()
+    assert first.startswith("error: required, but not so: m.csv: the result leaves the tube for ")
+    bias = torque(TIME).mean() * (1 - 1 / 1.5)
+    assert second == f"error: required, but not so: m.csv: bias_nm is {bias:.5g}, at most 1 is required"
+    wide = cosim("compare", result, path, "--no-plots", "--require", "--set", "tube_y=20 N.m")
+    assert wide.exit_code == 0
+
+
+def test_several_measurements_and_where_the_files_go(cosim: Cosim, result: Path, tmp_path: Path) -> None:
+    paths = [measured(Path("dry glass cold motor ls.csv")), measured(Path("m.csv"), gain=1.1, synthetic=True)]
+    done = cosim("compare", result, *paths, "--out", tmp_path / "there", "--json")
+    assert done.exit_code == 0, done.output
+    printed = json.loads(done.stdout)
+    written = document(tmp_path / "there")
+    assert printed["comparisons"] == written["comparisons"]
+    first, second = printed["comparisons"]
+    assert (first["measurement"], second["measurement"]) == ("dry glass, cold motor, low speed", "m.csv (synthetic)")
+    assert second["synthetic"] and second["gain"] == pytest.approx(1.1, rel=1e-3)
+    pictures = sorted(path.name for path in (tmp_path / "there").glob("*.png"))
+    assert pictures == ["comparison_dry_glass_cold_motor_ls.png", "comparison_m.png"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("m.csv", "--set", "align=phase"), "align: there is no 'phase'; accepted are correlation, onset, angle, none"),
+        (("m.csv", "--set", "quantity=current"), "m.csv: the current was not measured; there is torque, speed"),
+        (("m.csv", "--set", "tube_x=-1 s"), "tube_x: -1; a finite number, not negative, is expected"),
+        (("m.csv", "--set", "start=3 s", "--set", "stop=2 s"), "the part from 3 s to 2 s has no length"),
+        (("m.csv", "--set", "start=50 s"), "x: 0 samples from 50 s to inf s; it lasts from 0 s to 11.998 s"),
+        (("m.csv", "--limit", "rmse=1"), "--limit rmse: there is no such figure; there are rmse_nm, nrmse, bias_nm, "),
+        (("m.csv", "--limit", "rmse_nm"), "--limit rmse_nm: write NAME=NUMBER, such as --limit rmse_nm=1.5 or "),
+        (("n.csv",), "n.csv: there is no such measurement"),
+    ],
+)
+def test_what_cannot_be_compared(cosim: Cosim, result: Path, arguments: tuple[str, ...], message: str) -> None:
+    measured(Path("m.csv"))
+    done = cosim("compare", result, *arguments)
+    assert done.exit_code == 2
+    assert done.stderr.startswith(f"error: {message}")
