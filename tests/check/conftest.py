@@ -14,16 +14,13 @@ from fmu_builder import MODELS, build
 
 @pytest.fixture(scope="session")
 def fmu_path(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    """Return the path of a test FMU by its name, FMI version and the lie that is compiled into it."""
+    """Return the path of a test FMU by its name and FMI version."""
     folder = tmp_path_factory.mktemp("fmus")
-    built: dict[tuple[str, int, str], Path] = {}
+    built: dict[tuple[str, int], Path] = {}
 
-    def path(name: str, fmi: int, lie: str = "") -> Path:
-        key = name, fmi, lie
-        if key not in built:
-            place = folder / (lie or "honest")
-            place.mkdir(exist_ok=True)
-            built[key] = build(MODELS[name], fmi, place, defines=(f"LIE={lie}",) if lie else ())
-        return built[key]
+    def path(name: str, fmi: int) -> Path:
+        if (name, fmi) not in built:
+            built[name, fmi] = build(MODELS[name], fmi, folder, defines=(name.upper(),))
+        return built[name, fmi]
 
     return path

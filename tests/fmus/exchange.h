@@ -98,7 +98,11 @@ STATUS NAME(CompletedIntegratorStep)(INSTANCE c, FLAG final, FLAG *event, FLAG *
 void NAME(FreeInstance)(INSTANCE c) { free(c); }
 STATUS NAME(ExitInitializationMode)(INSTANCE c) { return enter(c, INITIALIZATION, EVENT); }
 STATUS NAME(Terminate)(INSTANCE c) { return 0; }
-STATUS NAME(Reset)(INSTANCE c) { return 0; }
+STATUS NAME(Reset)(INSTANCE c) {
+    *(Model *)c = (Model){.next_event = INFINITY};
+    start(c);
+    return 0;
+}
 
 static STATUS get(Model *m, unsigned vr, double *value) {
     rates(m);
@@ -129,7 +133,7 @@ STATUS fmi2GetString(INSTANCE c, const fmi2ValueReference vr[], size_t n, fmi2St
 STATUS fmi2SetString(INSTANCE c, const fmi2ValueReference vr[], size_t n, const fmi2String value[]) { return ERROR; }
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
-    return type == fmi2ModelExchange ? make() : NULL;
+    return type == fmi2ModelExchange && strcmp(guid, "test") == 0 ? make() : NULL;
 }
 STATUS fmi2SetupExperiment(INSTANCE c, FLAG td, REAL tol, REAL t0, FLAG sd, REAL s) { return 0; }
 STATUS fmi2EnterInitializationMode(INSTANCE c) { return enter(c, INSTANTIATED, INITIALIZATION); }
@@ -177,7 +181,7 @@ STATUS fmi3SetString(INSTANCE c, const fmi3ValueReference vr[], size_t n, const 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
                                           fmi3Boolean logging, fmi3InstanceEnvironment environment,
                                           fmi3LogMessageCallback logger) {
-    return make();
+    return strcmp(token, "test") == 0 ? make() : NULL;
 }
 STATUS fmi3EnterInitializationMode(INSTANCE c, FLAG td, REAL tol, REAL t0, FLAG sd, REAL s) {
     return enter(c, INSTANTIATED, INITIALIZATION);

@@ -203,9 +203,36 @@ RELAY = Model(
     indicators=1,
 )
 CRASH = Model("crash", (Described("y", 1, "output", unit="s"),))
+CHECKED = Model(
+    "checked",
+    (
+        Described("u1", 1, "input", start="0.5", unit="m/s"),
+        Described("u2", 2, "input", start="0"),
+        Described("gain", 3, "parameter", "fixed", start="2"),
+        Described("x", 4, "output", unit="m"),
+        Described("y", 5, "output", unit="m/s", depends=("u1", "u2")),
+        Described("z", 6, "output", depends=("u2",)),
+        Described("flag", 7, "input", "discrete", "Boolean", start="false"),
+    ),
+    has_event_mode=True,
+)
 MODELS = {
     model.source: model
-    for model in (SAMPLER, INTEGRATOR, FAULTY, MIRROR, VECTOR, LABEL, WORDS, PARCEL, FOREIGN, BALL, RELAY, CRASH)
+    for model in (
+        SAMPLER,
+        INTEGRATOR,
+        FAULTY,
+        MIRROR,
+        VECTOR,
+        LABEL,
+        WORDS,
+        PARCEL,
+        FOREIGN,
+        BALL,
+        RELAY,
+        CRASH,
+        CHECKED,
+    )
 }
 
 

@@ -21,6 +21,9 @@
 #ifndef AT
 #define AT(moment) (void)0 /* done at the beginning of a function of the FMI */
 #endif
+#ifndef IS_WRONG
+#define IS_WRONG(token) strcmp(token, "test")
+#endif
 #ifndef LENGTH
 #define LENGTH(reference) 1 /* the number of values that a reference stands for */
 #endif
@@ -54,6 +57,20 @@ static void outputs(Model *m);
 /* Pass a message to the importer. */
 static void say(Model *m, const char *text);
 
+/* Go back to what the instance was before initialisation. */
+static void reset(Model *m);
+#ifndef OWN_RESET
+static void reset(Model *m) {
+    const Model old = *m;
+    memset(m, 0, sizeof *m);
+    m->event_mode_used = old.event_mode_used;
+    m->environment = old.environment;
+    m->logger = old.logger;
+    m->next_event = INFINITY;
+    start(m);
+}
+#endif
+
 static void set_text(Model *m, unsigned reference, const char *text) {
     snprintf(m->text[reference], sizeof m->text[reference], "%s", text);
     m->v[reference] += 1.0;
@@ -69,6 +86,7 @@ static void say(Model *m, const char *text) {
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
     AT("Instantiate");
+    if (IS_WRONG(guid)) return NULL;
     Model *m = calloc(1, sizeof *m);
     m->logger = (void *)functions->logger;
     m->environment = functions->componentEnvironment;
@@ -83,7 +101,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fm
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) { AT("EnterInitializationMode"); return fmi2OK; }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) { AT("ExitInitializationMode"); return (fmi2Status)REFUSAL(c); }
 fmi2Status fmi2Terminate(fmi2Component c) { AT("Terminate"); return fmi2OK; }
-fmi2Status fmi2Reset(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2Reset(fmi2Component c) { reset(c); return fmi2OK; }
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
     return fmi2OK;
 }
@@ -141,6 +159,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger,
                                          fmi3IntermediateUpdateCallback update) {
     AT("Instantiate");
+    if (IS_WRONG(token)) return NULL;
     Model *m = calloc(1, sizeof *m);
     m->event_mode_used = event_mode_used;
     m->environment = environment;
@@ -162,7 +181,7 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { AT("ExitInitializationMo
 fmi3Status fmi3EnterEventMode(fmi3Instance c) { return fmi3OK; }
 fmi3Status fmi3EnterStepMode(fmi3Instance c) { return fmi3OK; }
 fmi3Status fmi3Terminate(fmi3Instance c) { AT("Terminate"); return fmi3OK; }
-fmi3Status fmi3Reset(fmi3Instance c) { return fmi3OK; }
+fmi3Status fmi3Reset(fmi3Instance c) { reset(c); return fmi3OK; }
 
 #define EACH(body)                                                                                                  \
     size_t k = 0;                                                                                                   \

@@ -11,6 +11,7 @@
 #define STUB(name) EXPORT int name(void) { return 3; }
 
 #if FMI == 2
+#ifndef CHECKED
 STUB(fmi2GetFMUstate)
 STUB(fmi2SetFMUstate)
 STUB(fmi2FreeFMUstate)
@@ -18,6 +19,8 @@ STUB(fmi2SerializedFMUstateSize)
 STUB(fmi2SerializeFMUstate)
 STUB(fmi2DeSerializeFMUstate)
 STUB(fmi2GetDirectionalDerivative)
+STUB(fmi2GetRealOutputDerivatives)
+#endif
 #ifndef EXCHANGE
 STUB(fmi2EnterEventMode)
 STUB(fmi2NewDiscreteStates)
@@ -31,7 +34,6 @@ STUB(fmi2GetContinuousStates)
 STUB(fmi2GetNominalsOfContinuousStates)
 #endif
 STUB(fmi2SetRealInputDerivatives)
-STUB(fmi2GetRealOutputDerivatives)
 STUB(fmi2CancelStep)
 STUB(fmi2GetStatus)
 STUB(fmi2GetRealStatus)
@@ -64,6 +66,7 @@ STUB(fmi3GetClock)
 STUB(fmi3SetClock)
 STUB(fmi3GetNumberOfVariableDependencies)
 STUB(fmi3GetVariableDependencies)
+#ifndef CHECKED
 STUB(fmi3GetFMUState)
 STUB(fmi3SetFMUState)
 STUB(fmi3FreeFMUState)
@@ -72,6 +75,8 @@ STUB(fmi3SerializeFMUState)
 STUB(fmi3DeserializeFMUState)
 STUB(fmi3GetDirectionalDerivative)
 STUB(fmi3GetAdjointDerivative)
+STUB(fmi3GetOutputDerivatives)
+#endif
 STUB(fmi3EnterConfigurationMode)
 STUB(fmi3ExitConfigurationMode)
 STUB(fmi3GetIntervalDecimal)
@@ -83,6 +88,5 @@ STUB(fmi3SetIntervalFraction)
 STUB(fmi3SetShiftDecimal)
 STUB(fmi3SetShiftFraction)
 STUB(fmi3EvaluateDiscreteStates)
-STUB(fmi3GetOutputDerivatives)
 STUB(fmi3ActivateModelPartition)
 #endif

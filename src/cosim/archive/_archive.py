@@ -8,7 +8,7 @@ import shutil
 import zipfile
 from pathlib import Path
 
-from cosim.archive._dangers import Danger, cleaned, dangers
+from cosim.archive._dangers import Danger, cleaned, dangers, is_folder
 from cosim.errors import FmuError
 
 _SHOWN = 3
@@ -34,7 +34,7 @@ class Archive:
         members = self._zip.infolist()
         self.dangers: list[Danger] = dangers(members, len(content))
         self.dotted = any(member.orig_filename.startswith("./") for member in members)
-        self._members = {cleaned(member.filename): member for member in members if not member.is_dir()}
+        self._members = {cleaned(member.filename): member for member in members if not is_folder(member)}
         self.sizes = {name: member.file_size for name, member in self._members.items()}
 
     @classmethod

@@ -49,6 +49,11 @@ def cleaned(name: str) -> str:
     return name
 
 
+def is_folder(member: zipfile.ZipInfo) -> bool:
+    """Tell whether a member is a folder; zipfile's own function fails if the name is empty."""
+    return member.filename.endswith("/")
+
+
 def _of_names(members: Sequence[zipfile.ZipInfo]) -> Iterator[Danger]:
     files: set[str] = set()
     folders: set[str] = set()
@@ -67,7 +72,7 @@ def _of_names(members: Sequence[zipfile.ZipInfo]) -> Iterator[Danger]:
         elif ".." in parts:
             yield Danger("traversal", shown, "leads out of the folder it is unpacked to")
         clean = "/".join(part for part in parts if part not in ("", "."))
-        if member.is_dir():
+        if is_folder(member):
             folders.add(clean)
             continue
         if clean in files:

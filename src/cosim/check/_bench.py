@@ -261,7 +261,19 @@ class Instance:
 
     def adjoint(self, unknown: int, knowns: Sequence[int]) -> list[float]:
         """Return the derivatives of one unknown by knowns, from the adjoint."""
-        return [float(value) for value in self._fmu.getAdjointDerivative([unknown], list(knowns), [1.0])]
+        values = self._fmu.getAdjointDerivative([unknown], list(knowns), [1.0], nSensitivity=len(knowns))
+        return [float(value) for value in values]
+
+    def output_derivatives(self, outputs: Sequence[ModelVariable]) -> list[float]:
+        """Return the first derivatives of outputs by time, in Co-Simulation."""
+        references = [variable.valueReference for variable in outputs]
+        get = self._fmu.getRealOutputDerivatives if self.bench.subject.fmi == 2 else self._fmu.getOutputDerivatives
+        return [float(value) for value in get(references, [1] * len(references))]
+
+    def set_input_derivatives(self, inputs: Sequence[ModelVariable]) -> None:
+        """Let inputs keep their values, by derivatives of 0, in FMI 2.0 Co-Simulation."""
+        references = [variable.valueReference for variable in inputs]
+        self._fmu.setRealInputDerivatives(references, [1] * len(references), [0.0] * len(references))
 
     def state(self) -> Any:  # noqa: ANN401 - the FMU's own pointer
         """Return a copy of the whole state, to be given to ``restore`` and ``forget``."""

@@ -146,7 +146,7 @@ def start_range(subject: Subject) -> Iterator[Found]:
                 f"starts at {variable.start}, outside {bounds}", place(variable), "change the start or the bounds"
             )
         if variable.type == "Enumeration" and declared is not None and declared.items:
-            known = {int(item.value) for item in declared.items}
+            known = {_number(item.value) for item in declared.items}
             if any(value not in known for value in values):
                 yield Found(f"starts at {variable.start}, which is no literal", place(variable), "start at a literal")
 

@@ -199,17 +199,16 @@ def event_mode(bench: Bench) -> Iterator[Found]:
     """Event Mode can be entered and left, and its iteration ends, if hasEventMode is claimed."""
     if not (bench.is_cs and bench.claims("hasEventMode")):
         return
+    t = bench.start
     with bench.instance(event_mode=True) as instance:
-        instance.initialize()
-        t = bench.start
-        for _ in range(STEPS):
-            h = min(bench.step, max(instance.next_event - t, 0.0)) or bench.step
-            try:
+        try:
+            instance.initialize()
+            for _ in range(STEPS):
+                h = min(bench.step, max(instance.next_event - t, 0.0)) or bench.step
                 instance.advance(t, h)
-            except Exception as error:
-                yield Found(f"with Event Mode at {t:g} s: {error}; {instance.log}", "", _TELL)
-                return
-            t += h
+                t += h
+        except Exception as error:
+            yield Found(f"with Event Mode at {t:g} s: {error}; {instance.log}", "", _TELL)
 
 
 @RUN_RULES("run.counts", Severity.ERROR)
@@ -223,8 +222,34 @@ def counts(bench: Bench) -> Iterator[Found]:
         instance.initialize()
         told = instance.counts() if bench.subject.fmi == 3 else expected
         nominals = instance.nominals() if told[0] == expected[0] else []
+        if told == expected:
+            instance.derivatives()  # the FMU may refuse a wrong number
+            instance.indicators()
+    if expected[1] == 0:
+        told = told[0], 0  # FMI 3.0 leaves it open whether event indicators are listed
     for name, here, there in zip(("continuous states", "event indicators"), expected, told, strict=True):
         if here != there:
             yield Found(f"the description has {here} {name}, the binary {there}", "ModelStructure", _TELL)
     if wrong := [value for value in nominals if not value > 0.0]:
         yield Found(f"a nominal value of a continuous state is {wrong[0]:g}", "", _TELL)
+
+
+@RUN_RULES("run.derivatives", Severity.ERROR)
+def derivatives(bench: Bench) -> Iterator[Found]:
+    """Derivatives of outputs can be got if maxOutputDerivativeOrder is above 0, those of inputs set if claimed."""
+    if not bench.is_cs:
+        return
+    outputs, inputs = bench.reals("output"), bench.reals("input")
+    with bench.instance() as instance:
+        instance.initialize()
+        instance.advance(bench.start, bench.step)
+        try:
+            if outputs and bench.subject.number(bench.interface, "maxOutputDerivativeOrder") > 0:
+                values = instance.output_derivatives(outputs)
+                bad = [v.name for v, value in zip(outputs, values, strict=True) if not math.isfinite(value)]
+                if bad:
+                    yield Found(f"derivatives of outputs that are no finite numbers: {shortened(bad)}", "", _TELL)
+            if inputs and bench.subject.fmi == 2 and bench.claims("canInterpolateInputs"):
+                instance.set_input_derivatives(inputs)
+        except Exception as error:
+            yield Found(f"{error}; {instance.log}", "", "correct what is claimed")

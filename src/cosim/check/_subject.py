@@ -54,8 +54,22 @@ class Subject:
         return [variable for variable in self.description.modelVariables if not variable.alias]
 
     def claims(self, interface: str, capability: str) -> bool:
-        """Tell whether an interface claims a capability, by its name in fmpy."""
-        return bool(getattr(self.interfaces[interface], capability, False))
+        """Tell whether an interface claims a capability; fmpy does not read all of them, so the XML is asked.
+
+        Capital letters and a plural, which differ from FMI 2.0 to 3.0, make no difference.
+        """
+        wanted = capability.lower().rstrip("s")
+        for element in self.root:
+            if etree.QName(element).localname == interface if isinstance(element.tag, str) else False:
+                for name, value in element.attrib.items():
+                    if str(name).lower().rstrip("s") == wanted:
+                        return value.strip().lower() in ("true", "1")
+        return False
+
+    def number(self, interface: str, attribute: str) -> int:
+        """Return a whole number that an interface claims, such as an order; 0 if it claims none."""
+        text = str(getattr(self.interfaces[interface], attribute, 0) or 0)
+        return int(text) if text.isdigit() else 0
 
     @cached_property
     def folders(self) -> dict[str, list[str]]:
