@@ -337,6 +337,9 @@ def thesis(
             help="Measured torque for figure 3.6: .csv with 'time [s]' and 'torque [N.m]', .xlsx, .mat, .mf4.",
         ),
     ] = None,
+    sensitivity: Annotated[
+        bool, typer.Option("--sensitivity", help="Also vary what the source leaves open, in a thousand runs.")
+    ] = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -345,7 +348,7 @@ def thesis(
     with reporting(screen):
         from cosim.cli._thesis import reproduce_thesis
 
-        reproduce_thesis(out / "thesis", settings or [], measured, screen)
+        reproduce_thesis(out / "thesis", settings or [], measured, screen, sensitive=sensitivity)
 
 
 @app.command(name="compare")

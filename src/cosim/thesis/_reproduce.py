@@ -20,16 +20,18 @@ from cosim.thesis._page import claims_page, thesis_page
 from cosim.thesis._parameters import parameters, write_parameters
 from cosim.thesis._readings import chosen
 from cosim.thesis._runs import Locate, RigRun
+from cosim.thesis._sensitivity_report import Sensitivity, sensitivity
 from cosim.thesis._table import write_readings, write_table
 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What was made: the files, the runs of the rig with their scores, and what was found of the source's claims."""
+    """What was made: files, the runs of the rig with their scores, what was found of the claims, the open choices."""
 
     files: tuple[Path, ...]
     rig: tuple[RigRun, ...]
     findings: tuple[Finding, ...]
+    varied: Sensitivity | None = None
 
 
 def reproduce(
@@ -39,6 +41,7 @@ def reproduce(
     *,
     rules: Rules | None = None,
     measured: Path | None = None,
+    sensitive: bool = False,
     say: Callable[[str], None] = lambda _: None,
 ) -> Reproduction:
     """Simulate what the source shows and write its figures and tables into ``out``.
@@ -49,6 +52,7 @@ def reproduce(
         locate: gives the FMU of a built-in plant or controller.
         rules: how table 4.1 is read beside the strict reading; by default as a plot shows it.
         measured: a measurement with time and torque, drawn in figure 3.6.
+        sensitive: whether what the source leaves open is varied, too.
         say: is told what comes next.
 
     Raises:
@@ -58,8 +62,9 @@ def reproduce(
     curve = None if measured is None else read_measured(measured)
     out.mkdir(parents=True, exist_ok=True)
     locate = cache(locate)  # it looks each time whether the FMU is up to date
+    varied = sensitivity(out, scenarios, locate, say=say) if sensitive else None
     evidence = gather(scenarios, locate, chosen(rules), say)
-    files: list[Path] = []
+    files: list[Path] = [] if varied is None else list(varied.files)
 
     def place(name: str) -> Path:
         files.append(out / name)
@@ -89,4 +94,4 @@ def reproduce(
     findings = judge(evidence)
     place("thesis.md").write_text(thesis_page(evidence, findings, table, curve), encoding="utf-8")
     place("claims.md").write_text(claims_page(findings), encoding="utf-8")
-    return Reproduction(tuple(files), tuple(evidence.rig), tuple(findings))
+    return Reproduction(tuple(files), tuple(evidence.rig), tuple(findings), varied)
