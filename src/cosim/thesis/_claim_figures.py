@@ -95,10 +95,14 @@ def sampling(evidence: Evidence, path: Path) -> None:
                 [1e3 * time for time in shares], [100.0 * share for share in shares.values()], marker, color=colour,
                 markerfacecolor=face, linestyle="-" if fill else ":", linewidth=1.0, label=f"{label}, {load_name}",
             )  # fmt: skip
+    left.plot(
+        [1e3 * unit.period for unit in evidence.slow], [100.0 * unit.seen / unit.contacts for unit in evidence.slow],
+        "x", color="k", markersize=8, markeredgewidth=2, label="contacts seen, all at one rate",
+    )  # fmt: skip
     left.set(xscale="log", xlabel="sampling time [ms]", ylabel="park signals in the dip of the voltage [%]")
     left.set(ylim=(-4, 104), xticks=[1, 2, 10, 20, 50], xticklabels=["1", "2", "10", "20", "50"])
     left.minorticks_off()
-    legend(left, columns=3)
+    legend(left, columns=2)
     for time, colour, marker in ((0.001, BLUE, "o"), (0.002, GREEN, "v"), (0.01, ORANGE, "s"), (0.02, RED, "D"),
                                  (0.05, GREY, "^")):  # fmt: skip
         turns = [turn for turn in evidence.turns if turn.sample_time == time]
