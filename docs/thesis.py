@@ -33,7 +33,8 @@ def main() -> None:
 
 
 def linked(page: str) -> str:
-    """Return a page of the command with its pictures where the documentation has them."""
+    """Return a page of the command with its pictures, and the study of open choices, where the documentation is."""
+    page = page.replace("sensitivity.md", "[sensitivity](sensitivity.md)")
     return re.sub(r"\]\((\w+\.png)\)", r"](pictures/thesis/\1)", page)
 
 

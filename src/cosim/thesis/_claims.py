@@ -241,7 +241,8 @@ def best_sampling_time(evidence: Evidence) -> Finding:
         "20 ms is the best trade-off of performance and robustness",
         "parks and turns predicted, both loads together, are most at 20 ms, by more than one prediction of those of "
         "the next",
-        f"{', '.join(texts)}; one prediction is {100 / _events(evidence):.1f} %",
+        f"{', '.join(texts)}; one prediction is {100 / _events(evidence):.1f} %. With what "
+        "the source leaves open varied: sensitivity.md",
         Verdict.UNDECIDED if not clear else Verdict.HOLDS if best == 0.02 else Verdict.FAILS,
         "claim_sampling.png",
     )

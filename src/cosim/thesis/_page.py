@@ -181,6 +181,10 @@ def _table(evidence: Evidence) -> Iterator[str]:
         ),
     )  # fmt: skip
     yield "\n".join(f"* {sentence}" for sentence in sentences(evidence))
+    yield (
+        "How far these counts move with what the source leaves open, such as the rate of the chart, the noise or the "
+        "length of Soft_stop, `cosim thesis --sensitivity` finds out by a designed experiment: sensitivity.md."
+    )
 
 
 def _short(findings: Sequence[Finding]) -> Iterator[str]:
