@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from cosim.engine import Channel, Connection, Result, System
+from cosim.errors import FmuWarning
 from cosim.scenario import ScenarioWarning
 from ssp.structures import KMH, SSM, SSV, connector, element, inline, link, real, ssd, wrapped
 
@@ -106,6 +107,7 @@ def test_parameter_files_with_prefix_and_mapping(assembled: Assemble, tmp_path: 
         '<ssm:MappingEntry source="car.v_wind" target="car.engine.offset">'
         '<ssc:LinearTransformation factor="2" offset="1"/></ssm:MappingEntry>'
         '<ssm:MappingEntry source="car.v_wind" target="car.engine.x0" suppressUnitConversion="true"/>'
+        '<ssm:MappingEntry source="car.v_rain" target="meter.x0"/>'
     )
     values = SSV.format(real("v_wind", 36, "km/h") + real("engine.gain", 9), KMH)
     binding = wrapped(
@@ -114,9 +116,14 @@ def test_parameter_files_with_prefix_and_mapping(assembled: Assemble, tmp_path: 
         '<ssd:ParameterMapping source="./resources/m.ssm"/></ssd:ParameterBinding>',
     )
     structure = NESTED.replace("<ssd:Elements>", f"{binding}<ssd:Elements>", 1)
-    system = assembled(structure, {"resources/a b.ssv": values, "resources/m.ssm": mapping})
+    with pytest.warns(ScenarioWarning) as caught:
+        system = assembled(structure, {"resources/a b.ssv": values, "resources/m.ssm": mapping})
+    origin = tmp_path / "x.ssp" / "resources" / "a b.ssv"
+    assert [str(one.message) for one in caught] == [
+        f"{origin}: there is no parameter car.v_rain for the mapping to set something"
+    ]
     assert system.components[0].parameters == {"offset": pytest.approx(21.0, rel=1e-15), "x0": 36.0}
-    assert system.components[0].origins["x0"] == str(tmp_path / "x.ssp" / "resources" / "a b.ssv")
+    assert system.components[0].origins["x0"] == str(origin)
 
 
 def test_start_values_of_inputs(assembled: Assemble, run: Run) -> None:
@@ -296,3 +303,26 @@ def test_mapping_tables_on_connections(run: Run) -> None:
     assert [result.columns[f"a.y_{kind}"][5] for kind in kinds] == [1, 5, 1]
     assert [result.columns[f"b.y_{kind}"][5] for kind in kinds] == [0, -3, 3]
     assert [result.columns[f"b.y_{kind}"][-1] for kind in kinds] == [1, 2, 1]
+
+
+def test_what_other_tools_write_against_the_standard(assembled: Assemble, tmp_path: Path) -> None:
+    """Empty names for the system itself and for no unit, and units that are not defined, with a warning."""
+    structure = ssd(
+        wrapped("Connectors", connector("v", "input", "Real", "cm/s"), connector("w", "input", "Real", "[furlong]"))
+        + wrapped("Elements", element("a", connector("u", "input", "Real")), element("b", U))
+        + wrapped("Connections", link("v", "a.u"), link("w", "b.u"))
+    )
+    structure = structure.replace("<ssc:Real/>", '<ssc:Real unit=""/>').replace(
+        'startConnector="v"', 'startElement="" startConnector="v"'
+    )
+    with pytest.warns(FmuWarning) as caught:
+        system = assembled(structure, table="time [s],v [cm/s],w [m/s]\n0,100,3\n")
+    assert [(channel.target, channel.values) for channel in system.channels] == [
+        (("a", "u"), [1.0]),
+        (("b", "u"), [3.0]),
+    ]
+    place = f"{tmp_path / 'x.ssp' / 'SystemStructure.ssd'}:1: the unit"
+    assert [str(one.message) for one in caught] == [
+        f"{place} 'cm/s' is not defined in the Units of this file, taken as the SI has it",
+        f"{place} '[furlong]' is not defined in the Units of this file, so that numbers in it are not converted",
+    ]

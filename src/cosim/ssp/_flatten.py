@@ -212,7 +212,8 @@ def _check_connector(connector: Connector, owner: str, fmu: Fmu) -> None:
     if connector.type is not None and connector.type not in types:
         raise connector.place.fail(f"{what} is a {connector.type}, in {fmu.path.name} it is a {variable.type}")
     known = unit_of(variable)
-    if connector.unit is not None and known is not None and not same(connector.unit, known):
+    differs = connector.unit is not None and known is not None and not same(connector.unit, known)
+    if differs and connector.unit is not None and connector.unit.text != variable.unit:
         raise connector.place.fail(
             f"{what} is in {connector.unit}, in {fmu.path.name} it is in {variable.unit}; give it the FMU's unit, "
             "connections convert units"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+import warnings
 import weakref
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -145,10 +146,15 @@ def read_fmu(location: Location, place: Place, interface: Interface | None = Non
     """Read an FMU of a package; it keeps its own copy of the file for as long as it lives."""
     path, folder = location.on_disk(place)
     try:
-        fmu = Fmu.read(path, interface)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            fmu = Fmu.read(path, interface)
     except InputError as error:
         shutil.rmtree(folder, ignore_errors=True)
         where = f"{path}: "
         raise InputError(str(error).removeprefix(where), file=location.label) from error
+    for warning in caught:
+        text = str(warning.message).replace(str(path), location.label)
+        warnings.warn(text, warning.category, stacklevel=2)
     weakref.finalize(fmu, shutil.rmtree, folder, ignore_errors=True)
     return fmu

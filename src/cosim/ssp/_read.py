@@ -24,6 +24,7 @@ from cosim.ssp._model import (
 from cosim.ssp._package import DEFAULT, Location, ZipPackage
 from cosim.ssp._xml import Node, Place, parse
 from cosim.units import BASE, Unit
+from cosim.units import parse as parse_unit
 
 _FMU = "application/x-fmu-sharedlibrary"
 _SSD = "application/x-ssp-definition"
@@ -167,12 +168,17 @@ def _units(root: Node, kind: str) -> dict[str, Unit]:
 
 
 def _unit(node: Node, units: dict[str, Unit]) -> Unit | None:
-    if not node.has("unit"):
-        return None
-    name = node.text("unit")
-    if name not in units:
-        raise node.place.fail(f"the unit '{name}' is not defined in the Units of this file; define it there")
-    return units[name]
+    """Return the unit of an element; other tools leave it empty for none, or do not define all units that they use."""
+    name = node.text("unit").strip()
+    if not name or name in units:
+        return units.get(name)
+    try:
+        unit = parse_unit(name)
+    except InputError:
+        unit = None
+    taken = "taken as the SI has it" if unit else "so that numbers in it are not converted"
+    node.place.warn(f"the unit '{name}' is not defined in the Units of this file, {taken}")
+    return unit
 
 
 def _connectors(node: Node, file: _File) -> dict[str, Connector]:
@@ -200,8 +206,9 @@ def _link(node: Node) -> Link:
     for attribute in ("startIndices", "endIndices"):
         if node.has(attribute):
             raise node.place.fail("connects an element of an array; this version connects scalars only")
-    start = (node.text("startElement") if node.has("startElement") else None, node.text("startConnector"))
-    end = (node.text("endElement") if node.has("endElement") else None, node.text("endConnector"))
+    # An empty name stands for the system itself too: other tools write it so.
+    start = (node.text("startElement") or None, node.text("startConnector"))
+    end = (node.text("endElement") or None, node.text("endConnector"))
     return Link(start, end, node.flag("suppressUnitConversion"), _transformation(node), node.place)
 
 
@@ -270,14 +277,14 @@ def _parameters(root: Node) -> tuple[Parameter, ...]:
     found: dict[str, Parameter] = {}
     for node in root.children("ssv:Parameters/ssv:Parameter"):
         name = node.text("name")
-        if name in found:
-            raise node.place.fail(f"a second parameter '{name}' in this parameter set; give one value")
         for array in (*node.children("ssv:Dimension"), *node.children("ssc:Dimension")):
             raise array.place.fail(f"parameter '{name}' is an array; set its elements one by one, such as '{name}[1]'")
         typed = next((one for one in node.of("ssv") if one.name != "Annotations"), None)
         if typed is None:
             raise node.place.fail(f"parameter '{name}' has no value; give it one")
-        found[name] = Parameter(name, plain_type(typed.name), typed.text("value"), _unit(typed, units), node.place)
+        parameter = Parameter(name, plain_type(typed.name), typed.text("value"), _unit(typed, units), node.place)
+        if found.setdefault(name, parameter).value != parameter.value:
+            raise node.place.fail(f"a second value of parameter '{name}' in this parameter set; give one")
     return tuple(found.values())
 
 

@@ -56,7 +56,7 @@ def _apply(flat: Flat, element: Element, path: Path, found: Values) -> None:
 
 def _bind(flat: Flat, element: Element, path: Path, binding: Binding, found: Values) -> None:
     unused: list[str] = []
-    for parameter, entry in _named(binding):
+    for parameter, entry in _named(binding, found):
         name = binding.prefix + parameter.name if entry is None else entry.target
         targets = list(_targets(flat, element, path, name))
         for end, variable, unit, hops in targets:
@@ -64,23 +64,32 @@ def _bind(flat: Flat, element: Element, path: Path, binding: Binding, found: Val
         if not targets:
             unused.append(name)
     if unused:
-        shown = ", ".join(unused[:_SHOWN]) + (f" and {len(unused) - _SHOWN} more" if len(unused) > _SHOWN else "")
         owner = f"'{'.'.join(path)}'" if path else f"system '{element.name}'"
-        found.notes.append(f"{binding.origin}: {owner} has no parameter of the name {shown}; nothing is set by it")
+        found.notes.append(
+            f"{binding.origin}: {owner} has no parameter of the name {_listed(unused)}; nothing is set by it"
+        )
 
 
-def _named(binding: Binding) -> Iterator[tuple[Parameter, MappingEntry | None]]:
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:_SHOWN]) + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")
+
+
+def _named(binding: Binding, found: Values) -> Iterator[tuple[Parameter, MappingEntry | None]]:
     """Give what a binding sets; with a mapping, what is mapped and nothing else."""
     if binding.mapping is None:
         yield from ((parameter, None) for parameter in binding.parameters)
         return
+    missing: list[str] = []
     by_name = {binding.prefix + parameter.name: parameter for parameter in binding.parameters}
     for entry in binding.mapping:
-        if entry.source not in by_name:
-            raise entry.place.fail(
-                f"{binding.origin} has no parameter '{entry.source}'; it has {', '.join(list(by_name)[:_SHOWN])}"
-            )
-        yield by_name[entry.source], entry
+        if entry.source in by_name:
+            yield by_name[entry.source], entry
+        else:
+            missing.append(entry.source)
+    if missing:
+        found.notes.append(
+            f"{binding.origin}: there is no parameter {_listed(missing)} for the mapping to set something"
+        )
 
 
 _Target = tuple[End, Variable, "Unit | None", Sequence[Hop]]

@@ -42,6 +42,11 @@ class Place:
         """Make the error for this place."""
         return InputError(message, file=self.file, line=self.line)
 
+    def warn(self, message: str) -> None:
+        """Warn of what the standard forbids, but does no harm (`FmuWarning`)."""
+        where = self.file if self.line is None else f"{self.file}:{self.line}"
+        warnings.warn(f"{where}: {message}", FmuWarning, stacklevel=3)
+
 
 class Node:
     """An element of an XML file, with its place; names are ``prefix:Name`` with the prefixes of `SPACES`."""
@@ -126,7 +131,7 @@ def parse(content: bytes, file: str, kind: str) -> Node:
     except InputError as error:
         raise InputError(str(error), file=file) from error
     for what in amiss:
-        warnings.warn(f"{file}: {what}", FmuWarning, stacklevel=2)
+        Place(file).warn(what)
     parser = etree.XMLParser(
         encoding="utf-8",
         resolve_entities=False,
