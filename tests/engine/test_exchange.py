@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from both_loops import simulate
 
-from cosim.engine import Channel, Component, Connection, Fmu, PartialResultError, Role, System, role_of
+from cosim.engine import Channel, Component, Connection, Fmu, Isolate, PartialResultError, Role, System, role_of
+from cosim.engine import simulate as simulate_once
 from cosim.errors import FmuError
 
 Get = Callable[..., Fmu]
@@ -91,6 +92,19 @@ def test_sampled_controller_for_model_exchange_acts_without_delay(fmu: Get, vers
     result = simulate(system, stop=1.0, output_interval=0.02, tolerance=1e-6)
     assert result.columns["p.x"] == pytest.approx(0.96 ** np.arange(51), rel=1e-12)
     assert result.columns["c.samples"].tolist() == list(range(1, 52))
+
+
+@versions
+def test_in_a_process_of_its_own_it_gives_the_same(fmu: Get, version: int) -> None:
+    """There every call of the FMU is noted, also those that the solver makes with arguments of its own."""
+    system = System([Component("ball", fmu("ball", version))])
+
+    def heights(isolate: Isolate) -> list[float]:
+        result = simulate_once(system, stop=0.6, output_interval=0.01, tolerance=1e-9, isolate=isolate)
+        found: list[float] = result.columns["ball.h"].tolist()
+        return found
+
+    assert heights("always") == heights("never")
 
 
 @versions

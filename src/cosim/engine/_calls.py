@@ -55,14 +55,14 @@ class Site:
         """Note that it has returned."""
         self.position.component = NOWHERE
 
-    def noting(self, function: str, call: Callable[[], int]) -> Callable[[], int]:
+    def noting(self, function: str, call: Callable[..., int]) -> Callable[..., int]:
         """Return a call that notes itself if that is worth it."""
         if not self.watched:
             return call
 
-        def noted() -> int:
+        def noted(*arguments: object) -> int:
             self.enter(function)
-            status = call()
+            status = call(*arguments)
             self.leave()
             return status
 
