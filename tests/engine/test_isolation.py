@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from both_loops import compare
+from fmu_builder import build_first
 
 from cosim.engine import (
     Component,
@@ -27,7 +28,7 @@ from cosim.engine import (
     System,
     simulate,
 )
-from cosim.errors import CosimError, FmuError, InputError
+from cosim.errors import CosimError, FmuError, InputError, SimulationError
 from cosim.fmu import provenance
 from cosim.worker import dismiss
 
@@ -195,6 +196,32 @@ def test_the_numbers_are_those_of_a_run_in_process(
     compare(isolated, here)
 
 
+@pytest.mark.parametrize("version", [2, 3])
+def test_model_exchange_runs_in_a_worker_as_it_does_here(fmu: Get, version: int) -> None:
+    system = System(
+        [Component("ball", fmu("ball", version), {"T": 0.07}), Component("relay", fmu("relay", version))],
+        [Connection(("ball", "h"), ("relay", "u"))],
+    )
+
+    def result(isolate: Isolate) -> Result:
+        return simulate(system, stop=0.6, output_interval=0.01, tolerance=1e-6, isolate=isolate)
+
+    compare(result("always"), result("never"))
+
+
+def test_fmi_1_runs_in_a_worker_as_it_does_here(tmp_path: Path) -> None:
+    with Fmu.read(build_first(tmp_path)) as first:
+        for parameters in ({"x0": -0.5}, {"t_wrong": 0.5, "name": "slave"}):
+            system = System([Component("a", first, dict(parameters))])
+            endings = []
+            for isolate in ("always", "never"):
+                try:
+                    endings.append(simulate(system, stop=1.0, output_interval=0.1, tolerance=1e-6, isolate=isolate))
+                except PartialResultError as error:
+                    endings.append(error)
+            compare(endings[0], endings[1])
+
+
 def ending(system: System, isolate: Isolate) -> CosimError:
     with pytest.raises(CosimError) as caught:
         simulate(system, stop=0.1, output_interval=0.01, tolerance=1e-6, isolate=isolate)
@@ -253,6 +280,31 @@ def test_what_an_fmu_prints_does_not_reach_stdout(fmu: Get, capfd: pytest.Captur
     printed = capfd.readouterr()
     assert printed.out == ""
     assert printed.err == "printed by an FMU\n" * 6
+
+
+def test_an_fmu_that_writes_into_all_channels_and_closes_them(fmu: Get) -> None:
+    """Among them is the one to the memory in which its position is written down."""
+    with pytest.raises(SimulationError) as caught:
+        run(fmu("crash"), "DoStep channels")
+    assert str(caught.value) == (
+        f"the process of the simulation has ended, with {_ABORT}, and what it has written down makes no sense: an FMU "
+        "must have written into memory that is not its own; report it to whoever exported it"
+    )
+
+
+@linux
+def test_what_a_dead_fmu_has_started_ends_with_it(fmu: Get, capfd: pytest.CaptureFixture[str]) -> None:
+    crash(fmu("crash"), "DoStep orphan")
+    orphan = Path("/proc", capfd.readouterr().err.strip())
+    deadline = time.perf_counter() + 2.0
+    while orphan.exists() and time.perf_counter() < deadline:
+        time.sleep(0.01)
+    assert not orphan.exists()
+
+
+def test_an_fmu_that_stops_its_process(fmu: Get) -> None:
+    error = crash(fmu("crash"), "DoStep stop", call_timeout=0.25)
+    assert "has not come back from fmi3DoStep within 0.25 s" in str(error)
 
 
 def interrupt_soon() -> tuple[threading.Timer, list[float]]:

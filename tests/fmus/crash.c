@@ -10,7 +10,10 @@ static void crash_at(const char *moment);
 #include <signal.h>
 #ifdef _WIN32
 #include <windows.h>
+#include <io.h>
 #define pause() Sleep(INFINITE)
+#define fork() 1
+#define SIGSTOP SIGABRT
 #else
 #include <unistd.h>
 #endif
@@ -44,6 +47,20 @@ static void do_it(const char *what) {
     if (strcmp(what, "memory") == 0) hog();
     if (strcmp(what, "hang") == 0) for (;;) pause();
     if (strcmp(what, "spin") == 0) for (;;) zero = 0;
+    if (strcmp(what, "channels") == 0) {
+        for (int channel = 3; channel < 64; channel++) {
+            if (write(channel, "nonsense nonsense", 17) < 0 || close(channel)) continue;
+        }
+        abort();
+    }
+    if (strcmp(what, "orphan") == 0) {
+        const int child = fork();
+        if (child == 0) for (;;) pause();
+        printf("%d\n", child);
+        fflush(stdout);
+        abort();
+    }
+    if (strcmp(what, "stop") == 0) raise(SIGSTOP);
     if (strcmp(what, "print") == 0) printf("printed by an FMU\n");
 }
 

@@ -164,12 +164,15 @@ class _Supervisor:
                     shown = at.now
                     progress(shown)
         except _HangsError:
+            worker.kill()
+            self._check_place(worker.death)
             remedy = "if it is only slow, allow its calls more time with --call-timeout"
             what = f"has not come back {self._place('from')} within {self.limits.call:g} s"
             return self._failed(worker, what, remedy)
         except KeyboardInterrupt:
             return self._interrupted(worker)
         if worker.answer is None or (worker.death.code and _finished(worker.answer)):
+            self._check_place(worker.death)
             return self._failed(worker, *self._end_of(worker.death))
         if progress is not None and _finished(worker.answer):
             progress(self.record.now)
@@ -184,6 +187,8 @@ class _Supervisor:
         except KeyboardInterrupt:
             pass  # twice: at once
         worker.kill()
+        if not self._is_credible():
+            self.record.at.row = 0
         ending = _ending(worker.answer) if worker.answer else Ending(self._statistics())
         ending.message, ending.interrupted = interruption_message(self.record), True
         return ending
@@ -202,6 +207,17 @@ class _Supervisor:
         return (
             f"ended its process {self._place('in')}, with exit code {death.code}{memory}",
             "an FMU has to return a status instead: report it to whoever exported it",
+        )
+
+    def _is_credible(self) -> bool:
+        """Tell whether the position can be one, which an FMU may have written over."""
+        at, grid = self.record.at, self.record.grid
+        return (
+            0 <= at.row <= len(grid)
+            and 0.0 <= at.now <= grid[-1]
+            and at.exchanges >= 0
+            and NOWHERE <= at.component < len(self.job.system.components)
+            and 0 <= at.function < len(CALLS)
         )
 
     def _cause(self, death: Death) -> str:
@@ -225,20 +241,27 @@ class _Supervisor:
         if function == "Instantiate" and version == "3":
             function += fmu.interface
         if version == "1":
-            return f"{preposition} fmi{_FIRST_VERSION.get(function, function)}"
+            return f"{preposition} {fmu.model_identifier}_fmi{_FIRST_VERSION.get(function, function)}"
         return f"{preposition} fmi{version}{function}"
 
-    def _failed(self, worker: Worker, what: str, remedy: str) -> Ending:
-        worker.kill()
-        at, record = self.record.at, self.record
-        if at.component == NOWHERE:
+    def _check_place(self, death: Death) -> None:
+        """Raise SimulationError if the position is not in a call of an FMU."""
+        if not self._is_credible():
             raise SimulationError(
-                f"the process of the simulation has ended outside of all FMUs, with {worker.death}; run it again, "
-                "and report it as a defect of cosim if that happens again"
+                f"the process of the simulation has ended, with {death}, and what it has written down makes no sense: "
+                "an FMU must have written into memory that is not its own; report it to whoever exported it"
             )
+        if self.record.at.component == NOWHERE:
+            raise SimulationError(
+                f"the process of the simulation has ended outside of all FMUs, with {death}; run it again, and report "
+                "it as a defect of cosim if that happens again"
+            )
+
+    def _failed(self, worker: Worker, what: str, remedy: str) -> Ending:
+        at = self.record.at
         component = self.job.system.components[at.component]
         message = (
-            f"the simulation failed {place_of(record)}: {component.name} ({component.fmu.name}): {what}; "
+            f"the simulation failed {place_of(self.record)}: {component.name} ({component.fmu.name}): {what}; "
             f"{self.board.said(at.component) or SILENCE}; {remedy}"
         )
         ending = worker.answer if _finished(worker.answer) else Ending(self._statistics())

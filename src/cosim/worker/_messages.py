@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 _HEAD = 8
+_PIECE = 2**16
 
 
 def send(channel: int, content: bytes) -> None:
@@ -36,7 +37,7 @@ class Message:
         missing = _HEAD - len(self._bytes)
         if missing <= 0:
             missing = _HEAD + int.from_bytes(self._bytes[:_HEAD], "little") - len(self._bytes)
-        part = os.read(channel, missing)
+        part = os.read(channel, min(missing, _PIECE))
         self._bytes += part
         head, body = self._bytes[:_HEAD], self._bytes[_HEAD:]
         if len(head) == _HEAD and len(body) == int.from_bytes(head, "little"):
