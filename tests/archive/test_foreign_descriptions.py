@@ -50,7 +50,7 @@ def reading(tmp_path: Path, xml: str | bytes) -> tuple[ModelDescription, tuple[s
     path = tmp_path / "x.fmu"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", xml if isinstance(xml, bytes) else HEAD + xml)
-    description, _, amiss = read_description(Archive.open(path))
+    description, _, amiss, _ = read_description(Archive.open(path))
     return description, tuple(map(str, amiss))
 
 
@@ -116,12 +116,20 @@ SAME = [
     ('dependencies="1 3"', 'dependencies=" 1   3 "', None),
     ("<SimpleType", "<!-- a --><SimpleType", None),
     ("<Enumeration>", "<!-- a --><Enumeration>", None),
-    ('guid="g"', 'guid="g" needsExecutionTool="true" version=""', None),
-    ("<ModelStructure>", "<VendorAnnotations/><ModelStructure>", None),
+    (
+        'guid="g"',
+        'guid="g" needsExecutionTool="true"',
+        "modelDescription.xml breaks the schema of FMI in one place, line 2: Element 'fmiModelDescription'",
+    ),
+    (
+        "<ModelStructure>",
+        "<VendorAnnotations/><ModelStructure>",
+        "modelDescription.xml breaks the schema of FMI in one place, line 1",
+    ),
     (
         "</ModelStructure>",
         "<Vendor/></ModelStructure>",
-        None,
+        "modelDescription.xml breaks the schema of FMI in one place, line 1",
     ),
 ]
 
@@ -179,7 +187,7 @@ def test_the_structure_refers_to_nothing(tmp_path: Path, index: str) -> None:
 def test_many_of_a_kind_are_one_sentence(tmp_path: Path) -> None:
     wrong = FMI2.replace('variability="fixed"', 'variability="constant"').replace('name="Gear"', 'name="Other"')
     _, amiss = reading(tmp_path, wrong)
-    assert len(amiss) == 4
+    assert len(amiss) == 5
     assert amiss[0] == "the declared type is not defined, left out: Gear of e (line 13)"
 
 

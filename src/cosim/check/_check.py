@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cosim.archive import Archive
+from lxml import etree
+
+from cosim.archive import Archive, utf8_of
 from cosim.check._archive_rules import ARCHIVE_RULES
 from cosim.check._binary_rules import BINARY_RULES
 from cosim.check._description_rules import DESCRIPTION_RULES
@@ -16,7 +18,7 @@ from cosim.check._schema_rules import SCHEMA_RULES
 from cosim.check._subject import Subject
 from cosim.check._trial import EXTRA, run_trials
 from cosim.errors import FmuError
-from cosim.foreign import read_description
+from cosim.foreign import NAME, read_description, violations
 
 READABLE = "readable"
 """The rule that an FMU breaks if nothing more can be said of it."""
@@ -59,6 +61,7 @@ def check(path: Path | str, *, run: bool = True, timeout: float = 30.0) -> Repor
                 applied += tried
     except FmuError as error:
         findings.append(_unreadable(str(error).removeprefix(f"{path}: ")))
+        findings += _of_schema(path)
     applied.insert(0, READABLE)
     findings.sort(key=lambda finding: -finding.severity)
     return Report(path, tuple(findings), tuple(applied))
@@ -79,6 +82,18 @@ def _apply(group: list[Rule[Any]], subject: object, findings: list[Finding], app
     for rule in group:
         findings += rule.apply(subject)
         applied.append(rule.id)
+
+
+def _of_schema(path: Path) -> list[Finding]:
+    """Return where an unreadable model description breaks the schema, which may say why; none if it is no XML."""
+    try:
+        root = etree.fromstring(utf8_of(Archive.open(path).read(NAME), NAME)[0])
+    except (FmuError, KeyError, etree.XMLSyntaxError):
+        return []
+    return [
+        Finding("schema", Severity.WARNING, one.text, f"{NAME}, line {one.line}", "export the model again")
+        for one in violations(root)
+    ]
 
 
 def _unreadable(text: str) -> Finding:

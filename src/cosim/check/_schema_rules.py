@@ -4,23 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
 
-import fmpy
 from fmpy.validation import validate_model_description
-from lxml import etree
 
 from cosim.check._rules import Found, Rules, Severity
 from cosim.check._subject import Subject
-from cosim.foreign import NAME
+from cosim.foreign import NAME, Violation
 
-_FOLDER = Path(fmpy.__file__).parent / "schema"
-_SCHEMAS = {
-    1: "fmi1/fmiModelDescription.xsd",
-    2: "fmi2/fmi2ModelDescription.xsd",
-    3: "fmi3/fmi3ModelDescription.xsd",
-}
 _REPORT = "report it to the tool that wrote the FMU"
 _LENIENT = ("is not defined", "InitialUnknowns", 'attribute "derivative"')
 """Parts of fmpy's problems that importers live with."""
@@ -28,29 +18,20 @@ _LENIENT = ("is not defined", "InitialUnknowns", 'attribute "derivative"')
 SCHEMA_RULES: Rules[Subject] = Rules()
 
 
-def _violations(subject: Subject) -> list[Any]:
-    schema = etree.XMLSchema(file=str(_FOLDER / _SCHEMAS[subject.fmi]))
-    return [] if schema.validate(subject.root) else list(schema.error_log)
-
-
-def _is_missing(violation: Any) -> bool:  # noqa: ANN401 - lxml has no types
-    return str(violation.type_name) == "SCHEMAV_CVC_COMPLEX_TYPE_4"
-
-
-def _found(violation: Any) -> Found:  # noqa: ANN401 - lxml has no types
-    return Found(str(violation.message), f"{NAME}, line {violation.line}", _REPORT)
+def _found(violation: Violation) -> Found:
+    return Found(violation.text, f"{NAME}, line {violation.line}", _REPORT)
 
 
 @SCHEMA_RULES("schema.missing", Severity.ERROR)
 def missing(subject: Subject) -> Iterator[Found]:
     """All attributes that the schema of FMI requires are there."""
-    yield from (_found(one) for one in _violations(subject) if _is_missing(one))
+    yield from (_found(one) for one in subject.read.broken if one.is_missing)
 
 
 @SCHEMA_RULES("schema", Severity.WARNING)
 def schema(subject: Subject) -> Iterator[Found]:
     """The model description follows the schema of FMI: no other elements and attributes, in order, values as typed."""
-    yield from (_found(one) for one in _violations(subject) if not _is_missing(one))
+    yield from (_found(one) for one in subject.read.broken if not one.is_missing)
 
 
 @SCHEMA_RULES("vendor", Severity.WARNING)

@@ -165,7 +165,7 @@ class Fmu:
         """
         path = Path(path)
         archive = Archive.open(path)
-        description, xml, amiss = read_description(archive)
+        description, xml, amiss, _ = read_description(archive)
         for what in amiss:
             warnings.warn(f"{path}: {what}", FmuWarning, stacklevel=2)
         names = archive.sizes

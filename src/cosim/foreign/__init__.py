@@ -2,5 +2,6 @@
 
 from cosim.foreign._mend import Amiss
 from cosim.foreign._read import NAME, RUN_CHECK, Reading, read_description
+from cosim.foreign._schema import Violation, violations
 
-__all__ = ["NAME", "RUN_CHECK", "Amiss", "Reading", "read_description"]
+__all__ = ["NAME", "RUN_CHECK", "Amiss", "Reading", "Violation", "read_description", "violations"]

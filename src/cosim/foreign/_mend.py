@@ -32,7 +32,11 @@ _NO_TYPE_ATTRIBUTES = frozenset(("name", "description"))
 
 
 class Amiss(NamedTuple):
-    """What was amiss with a description, in a sentence; ``id`` is "references" for what refers to nothing."""
+    """What was amiss with a description, in a sentence.
+
+    ``id`` is "vendor" for what was mended, "references" for what refers to nothing, "schema" for what of the schema is
+    broken after that.
+    """
 
     id: str
     text: str
@@ -189,7 +193,10 @@ def _structure(root: etree._Element) -> Found:
     for unknown in root.findall(unknowns):
         reference = unknown.get("index" if is_fmi2(root) else "valueReference", "")
         if reference.strip() not in there:
-            unknown.getparent().remove(unknown)
+            group = unknown.getparent()
+            group.remove(unknown)
+            if len(group) == 0 and group.getparent() is not None and is_fmi2(root):
+                group.getparent().remove(group)
             yield "the model structure refers to a variable that is not there, left out", f"{unknown.tag} {reference!r}"
             continue
         known = unknown.get("dependencies")

@@ -14,6 +14,7 @@ from lxml import etree
 from cosim.archive import Archive, utf8_of
 from cosim.errors import FmuError
 from cosim.foreign._mend import Amiss, mend
+from cosim.foreign._schema import Violation, violations
 
 NAME = "modelDescription.xml"
 SOURCES = "sources/buildDescription.xml"
@@ -24,11 +25,12 @@ RUN_CHECK = "run `cosim check` for all that is wrong with it"
 
 
 class Reading(NamedTuple):
-    """A model description, the XML it was read from (UTF-8, mended), and what was amiss with it, by rule."""
+    """A model description, the XML it was read from (UTF-8), what was amiss, and what of the schema still is broken."""
 
     description: ModelDescription
     xml: bytes
     amiss: tuple[Amiss, ...]
+    broken: tuple[Violation, ...]
 
 
 def read_description(archive: Archive) -> Reading:
@@ -52,13 +54,23 @@ def read_description(archive: Archive) -> Reading:
     try:
         root = etree.fromstring(xml, etree.XMLParser(remove_comments=True, remove_pis=True))
         found += mend(root)
+        broken = violations(root)
+        found += _of_schema(broken)
         description = fmpy.read_model_description(_packed(etree.tostring(root), sources), validate=False)
     except Exception as error:  # fmpy meets what is wrong with all kinds of exceptions
         raise FmuError(f"its {NAME} cannot be read: {error}; {RUN_CHECK}", file=archive.path) from error
     elements = sum(math.prod(variable.shape) for variable in description.modelVariables)
     if elements > MOST_ELEMENTS:
         raise FmuError(f"its arrays have {elements} elements; {MOST_ELEMENTS} are accepted", file=archive.path)
-    return Reading(description, xml, tuple(found))
+    return Reading(description, xml, tuple(found), tuple(broken))
+
+
+def _of_schema(broken: list[Violation]) -> list[Amiss]:
+    """Sum up where the schema is broken: the first place, and how many there are."""
+    if not broken:
+        return []
+    places = f"{len(broken)} places, first" if len(broken) > 1 else "one place,"
+    return [Amiss("schema", f"{NAME} breaks the schema of FMI in {places} line {broken[0].line}: {broken[0].text}")]
 
 
 def _elsewhere(archive: Archive) -> str:
