@@ -138,7 +138,7 @@ SAME = [
 def test_what_is_mended_reads_as_what_was_meant(tmp_path: Path, old: str, new: str, told: str | None) -> None:
     tried = 0
     for xml in (FMI2, FMI3):
-        if old not in xml or (old == "</ModelStructure>" and xml is FMI3):
+        if old not in xml:
             continue
         tried += 1
         description, amiss = reading(tmp_path, xml.replace(old, new, 1))

@@ -55,36 +55,6 @@ def test_what_is_refused(cosim: Cosim, arguments: tuple[str, ...], message: str)
     assert json.loads(done.stdout) == {"error": message, "exit_code": 2}
 
 
-def test_info(cosim: Cosim) -> None:
-    done = cosim("info", "linkage")
-    assert done.exit_code == 0
-    lines = [line.split() for line in done.stdout.splitlines()]
-    assert ["model", "LinkagePlant"] in lines
-    assert ["platforms", "x86_64-linux"] in lines
-    assert ["duty", "input", "Real", "1", "0.0", "the", "duty", "[A]", "test"] in lines
-    assert ["ext_load", "parameter", "Real", "N.m", "3.0", "the", "ext_load", "[A]", "test"] in lines
-
-
-@pytest.mark.parametrize("terminal", [False, True])
-def test_info_keeps_names_and_hashes_whole(cosim: Cosim, monkeypatch: pytest.MonkeyPatch, terminal: bool) -> None:
-    monkeypatch.setenv("COLUMNS", "40")
-    monkeypatch.setenv("FORCE_COLOR" if terminal else "NO_COLOR", "1")
-    text = cosim("info", "linkage").stdout
-    assert "\u2026" not in text
-    assert ("0" * 64 in text) == (not terminal)
-    assert text.count("0") >= 64
-    assert max(map(len, text.splitlines())) > 64 or terminal
-
-
-def test_info_as_json(cosim: Cosim, tmp_path: Path) -> None:
-    (tmp_path / "own.fmu").touch()
-    document = json.loads(cosim("info", "own.fmu", "--json").stdout)
-    assert (document["path"], document["fmi_version"], document["variables"]) == ("own.fmu", "3.0", 4)
-    names = {variable["name"]: variable for variable in document["interface"]}
-    assert names["i_motor"]["unit"] == "A"
-    assert names["i_max"]["start"] == "inf"
-
-
 def test_export(cosim: Cosim) -> None:
     Path("x.mo").touch()
     done = cosim("export", "x.mo", "P.Model", "--out", "there")

@@ -59,12 +59,15 @@ class Subject:
         Capital letters and a plural, which differ from FMI 2.0 to 3.0, make no difference.
         """
         wanted = capability.lower().rstrip("s")
-        for element in self.root:
-            if etree.QName(element).localname == interface if isinstance(element.tag, str) else False:
-                for name, value in element.attrib.items():
-                    if str(name).lower().rstrip("s") == wanted:
-                        return value.strip().lower() in ("true", "1")
+        for name, value in self.element(interface).attrib.items():
+            if str(name).lower().rstrip("s") == wanted:
+                return value.strip().lower() in ("true", "1")
         return False
+
+    def element(self, interface: str) -> etree._Element:
+        """Return an interface's element as it was written, whatever its namespace; an empty one if there is none."""
+        found = self.root.iterfind(f"{{*}}{interface}")
+        return next(found, etree.Element(interface))
 
     def number(self, interface: str, attribute: str) -> int:
         """Return a whole number that an interface claims, such as an order; 0 if it claims none."""

@@ -16,6 +16,7 @@ from lxml import etree
 
 from cosim.foreign._terms import (
     INTERFACES,
+    STRUCTURE,
     TYPES,
     indexed,
     is_fmi2,
@@ -189,8 +190,8 @@ def _structure(root: etree._Element) -> Found:
     if root.get("fmiVersion") == "1.0":
         return
     there = indexed(root)
-    unknowns = "ModelStructure/*/Unknown" if is_fmi2(root) else "ModelStructure/*"
-    for unknown in root.findall(unknowns):
+    found = root.findall("ModelStructure/*/Unknown" if is_fmi2(root) else "ModelStructure/*")
+    for unknown in [entry for entry in found if entry.tag in STRUCTURE]:
         reference = unknown.get("index" if is_fmi2(root) else "valueReference", "")
         if reference.strip() not in there:
             group = unknown.getparent()

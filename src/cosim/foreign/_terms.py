@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from lxml import etree
 
 INTERFACES = ("ModelExchange", "CoSimulation", "ScheduledExecution")
+STRUCTURE = ("Unknown", "Output", "ContinuousStateDerivative", "ClockedState", "InitialUnknown", "EventIndicator")
 _CONTINUOUS = ("Real", "Float32", "Float64")
 _PARAMETERS = ("parameter", "calculatedParameter", "structuralParameter")
 _MICROSOFT = {
