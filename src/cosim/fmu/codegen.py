@@ -14,12 +14,12 @@ from cosim.dae.dae import Computed
 from cosim.dae.hybrid import SX
 from cosim.dae.sweep import newton_sweep
 from cosim.dae.symbolic import substitute
+from cosim.fmu.algebraic_functions import algebraic_functions, initial_functions
 from cosim.fmu.c_expressions import SCALARS, number, print_function
 from cosim.fmu.c_text import WIDTH, comment, function, remark, scope, string, table
 from cosim.fmu.constraint_tables import constraint_sizes, constraint_tables
 from cosim.fmu.derivatives import derivatives, of_parameters, seeds
 from cosim.fmu.discrete_groups import Group, Keeping, group_assignments, is_all_clocked, what_to_keep
-from cosim.fmu.initial_functions import initial_functions
 from cosim.fmu.layout import Layout
 from cosim.fmu.loops import Run, c_expression, find_runs, shared
 
@@ -112,9 +112,7 @@ class _Generator:
         parts += self._continuous("model_rhs", {"f": f}, self._equation_comment())
         derivatives = {"f": f, "J": ca.jacobian(f, dae.v), "ft": ca.jacobian(f, dae.time)}
         parts += self._continuous("model_linearise", derivatives, "f, df/dv column by column, explicit df/dt")
-        parts += self._continuous("model_residual", {"r": dae.residuals}, "the residuals alone")
-        algebraic = {"r": dae.residuals, "J": ca.jacobian(dae.residuals, dae.z)}
-        parts += self._continuous("model_linearise_residual", algebraic, "the residuals and their derivatives by z")
+        parts += self._residuals()
         relations = "; ".join(f"{k}: {r.text}" for k, r in enumerate(dae.relations))
         indicators = _column([r.indicator for r in dae.relations])
         parts += self._continuous("model_indicators", {"g": indicators}, relations)
@@ -187,7 +185,7 @@ class _Generator:
         expressions = [values[p.scalar.name] for _, p in dependent]
         # every value is in terms of independent parameters, so the order does not matter
         body = ["(void)p;", *self._elements(["p"], "p", expressions, [k for k, _ in dependent])]
-        return function("void model_parameters(double *p)", body)
+        return function("MODEL_COLD void model_parameters(double *p)", body)
 
     def _start(self) -> list[str]:
         dae = self._dae
@@ -207,15 +205,31 @@ class _Generator:
     # functions of the continuous arguments
 
     def _continuous(self, name: str, results: Mapping[str, SX], about: str, seeds: Sequence[str] = ()) -> list[str]:
-        """A function of the continuous arguments and of seeds; its results go to the arrays of these names."""
+        """A function of the continuous arguments and of seeds; its results go to the arrays of these names.
+
+        One with seeds, and that of the locals, is needed seldom: it is to be small rather than fast.
+        """
         given = [f"double {seed}" if seed in SCALARS else f"const double *{seed}" for seed in seeds]
         arrays = ", ".join([*given, *(f"double *{result}" for result in results)])
         unused = "".join(f", (void){argument}" for argument in [*seeds, *results])
-        head = f"void {name}(MODEL_CONTINUOUS_ARGUMENTS, {arrays})"
-        head = "\n".join(textwrap.wrap(head, WIDTH, subsequent_indent=" " * (len(name) + 6)))
+        cold = "MODEL_COLD " if seeds or name == "model_locals" else ""
+        head = f"{cold}void {name}(MODEL_CONTINUOUS_ARGUMENTS, {arrays})"
+        head = "\n".join(textwrap.wrap(head, WIDTH, subsequent_indent=" " * (len(cold + name) + 6)))
         body = [f"{_UNUSED.strip()[:-1]}{unused};", *self._body([*_CONTINUOUS, *seeds], list(results.items()))]
         lines = function(head, body)
         return [*remark(comment(about)), *lines] if about else lines
+
+    def _residuals(self) -> list[str]:
+        dae = self._dae
+        # where there is a sweep, Newton's method is the last resort
+        taken = algebraic_functions(dae) if self._swept is not None else None
+        if taken is not None:
+            return taken
+        algebraic = {"r": dae.residuals, "J": ca.jacobian(dae.residuals, dae.z)}
+        return [
+            *self._continuous("model_residual", {"r": dae.residuals}, "the residuals alone"),
+            *self._continuous("model_linearise_residual", algebraic, "the residuals and their derivatives by z"),
+        ]
 
     def _sweep(self) -> list[str]:
         """The outputs together with what makes them exact: most of their operations are the same."""
@@ -232,7 +246,7 @@ class _Generator:
         lines += initial_functions(self._dae, self._arguments, self._seeds["r_bar"], self._body)
         free = of_parameters(self._dae, self._seeds["p_bar"])
         body = ["(void)p, (void)p_bar, (void)free_bar;", *self._body(["p", "p_bar"], [("free_bar", free)])]
-        head = "void model_parameters_reverse(const double *p, const double *p_bar, double *free_bar)"
+        head = "MODEL_COLD void model_parameters_reverse(const double *p, const double *p_bar, double *free_bar)"
         return [*lines, *remark("weights of the independent parameters from those of all"), *function(head, body)]
 
     def _assertions(self) -> list[str]:

@@ -46,6 +46,15 @@
 /* C has no arrays of length zero. */
 #define MODEL_ROOM(n) ((n) > 0 ? (n) : 1)
 
+/* For functions that are to be small rather than fast. */
+#if defined(__clang__)
+#define MODEL_COLD __attribute__((cold, minsize))
+#elif defined(__GNUC__)
+#define MODEL_COLD __attribute__((cold))
+#else
+#define MODEL_COLD
+#endif
+
 /* Where the value of a variable lives. */
 typedef enum {
     STORE_TIME,       /* the independent variable */

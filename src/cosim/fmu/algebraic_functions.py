@@ -1,4 +1,9 @@
-"""The C of the initial system. Most of its equations are those of the model itself, so it takes them from there."""
+"""The C of what is needed seldom, and which takes what it can from the functions that are needed often.
+
+These are the algebraic equations alone, where Newton's method is the last resort, and the initial system, most of
+whose equations are those of the model itself. To compute more than is needed costs less than a second copy of the
+equations in each FMU.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +22,34 @@ _UNUSED = "(void)t, (void)v, (void)u, (void)p, (void)d, (void)c"
 
 Body = Callable[[Sequence[str], Sequence[tuple[str, SX]]], list[str]]
 """Prints the lines that compute arrays from arguments."""
+
+
+def algebraic_functions(dae: Dae) -> list[str] | None:
+    """``model_residual`` and ``model_linearise_residual``, or ``None`` if the model is too large for that."""
+    n, x, z = len(dae.unknowns), len(dae.states), len(dae.torn)
+    if n > LARGEST:
+        return None
+    head = "MODEL_COLD void "
+    residual = [
+        f"double f[MODEL_ROOM({n})];",
+        "model_rhs(t, v, u, p, d, c, f);",
+        f"for (int i = 0; i < {z}; i++) r[i] = f[{x} + i];",
+    ]
+    linearise = [
+        f"double f[MODEL_ROOM({n})], A[MODEL_ROOM({n * n})], ft[MODEL_ROOM({n})];",
+        "model_linearise(t, v, u, p, d, c, f, A, ft);",
+        f"for (int i = 0; i < {z}; i++) r[i] = f[{x} + i];",
+        f"for (int k = 0; k < {z}; k++)",
+        f"    for (int i = 0; i < {z}; i++) J[k * {z} + i] = A[({x} + k) * {n} + {x} + i];",
+    ]
+    return [
+        *remark("the residuals alone"),
+        *function(f"{head}model_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r)", residual),
+        *remark("the residuals and their derivatives by z"),
+        *function(
+            "MODEL_COLD void model_linearise_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r, double *J)", linearise
+        ),
+    ]
 
 
 def initial_functions(dae: Dae, arguments: Mapping[str, SX], weights: SX, body: Body) -> list[str]:
@@ -40,7 +73,7 @@ def initial_functions(dae: Dae, arguments: Mapping[str, SX], weights: SX, body: 
         lines += [f"double f[{n}];", "model_rhs(t, v, u, p, d, c, f);", *(f"r[{i}] = f[{row}];" for i, row in pairs)]
     lines += _into(own, "r", body(continuous, [("own", residuals)]))
     text = remark(comment("; ".join(dae.initial_texts))) + function(
-        "void model_initial_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r)", lines
+        "MODEL_COLD void model_initial_residual(MODEL_CONTINUOUS_ARGUMENTS, double *r)", lines
     )
 
     lines = [f"{_UNUSED}, (void)J;"]
@@ -51,7 +84,7 @@ def initial_functions(dae: Dae, arguments: Mapping[str, SX], weights: SX, body: 
     places = [k * n + i for k in range(n) for i in own]
     lines += _into(places, "J", body(continuous, [("own", ca.jacobian(residuals, dae.v))]) if m else [])
     text += remark("dr/dv, column by column")
-    text += function("void model_initial_jacobian(MODEL_CONTINUOUS_ARGUMENTS, double *J)", lines)
+    text += function("MODEL_COLD void model_initial_jacobian(MODEL_CONTINUOUS_ARGUMENTS, double *J)", lines)
 
     lines = [f"{_UNUSED}, (void)r_bar;"]
     lines += [f"double f_bar[MODEL_ROOM({n})] = {{0}}, v_bar[MODEL_ROOM({n})], y_bar[MODEL_ROOM(MODEL_NY)] = {{0}};"]
@@ -64,8 +97,8 @@ def initial_functions(dae: Dae, arguments: Mapping[str, SX], weights: SX, body: 
         lines += [f"double own[{len(values)}];", *body([*continuous, "r_bar"], [("own", ca.vertcat(*values))])]
         lines += [f"{array}[{k}] += own[{j}];" for j, (array, k) in enumerate(entries)]
     head = (
-        "void model_initial_reverse(MODEL_CONTINUOUS_ARGUMENTS, const double *r_bar, double *t_bar, double *u_bar,\n"
-        "                           double *p_bar)"
+        "MODEL_COLD void model_initial_reverse(MODEL_CONTINUOUS_ARGUMENTS, const double *r_bar, double *t_bar,\n"
+        "                                      double *u_bar, double *p_bar)"
     )
     return (
         text + remark("weights of what the initial residuals are computed from, at constant v") + function(head, lines)
