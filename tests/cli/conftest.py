@@ -71,7 +71,7 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         asked.append(name)
         return Path(f"{name}.fmu")
 
-    def build(names: list[str] | None, out: Path | None, fmi: FmiChoice, platforms: str) -> list[Path]:
+    def build(names: list[str] | None, out: Path | None, fmi: FmiChoice, platforms: str, **_: object) -> list[Path]:
         if names and "linkgae" in names:
             raise InputError("no built-in plant or controller 'linkgae'")
         return [
@@ -80,7 +80,7 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[str]:
             for version in versions_of(fmi)
         ]
 
-    def pack_all(dae: str, out: Path, *, fmi: FmiChoice, platforms: str) -> list[Path]:
+    def pack_all(dae: str, out: Path, *, fmi: FmiChoice, **_: object) -> list[Path]:
         return [out / file_name(dae.rpartition(".")[2], version) for version in versions_of(fmi)]
 
     def compile_model(file: Path, model: str, *, strict_units: bool = False) -> str:

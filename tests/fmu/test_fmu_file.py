@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import json
+import os
 import subprocess
 import sys
 import zipfile
@@ -105,3 +106,15 @@ def test_the_binary_exports_the_whole_interface_and_nothing_else(build: Build, t
 def test_the_folder_of_the_export_holds_the_fmu_alone(tmp_path: Path) -> None:
     path = pack(compile_model(SMALL / "PendulumAngle.mo", "Small.PendulumAngle"), tmp_path / "new" / "folder")
     assert [entry.name for entry in path.parent.iterdir()] == ["PendulumAngle.fmu"]
+
+
+def test_another_process_writes_the_same_bytes(tmp_path: Path) -> None:
+    """Whatever the order of sets, the time, and the folder are there."""
+    program = "import sys; from pathlib import Path; from cosim.fmu import export_all; "
+    program += "export_all(Path(sys.argv[1]), 'Small.Rectifier', Path(sys.argv[2]))"
+    for seed in ("1", "2"):
+        environment = os.environ | {"PYTHONHASHSEED": seed, "TZ": f"UTC+{seed}"}
+        command = [sys.executable, "-c", program, str(SMALL / "Rectifier.mo"), str(tmp_path / seed)]
+        subprocess.run(command, env=environment, check=True)
+    for name in ("Rectifier.fmu", "Rectifier.fmi2.fmu"):
+        assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes()

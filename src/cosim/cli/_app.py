@@ -34,6 +34,7 @@ Platform = Annotated[
 StrictUnits = Annotated[
     bool, typer.Option("--strict-units", help="Refuse a model whose units do not fit, instead of a warning.")
 ]
+Sources = Annotated[bool, typer.Option("--sources/--no-sources", help="Put the C sources into the FMU.")]
 Fmi = Annotated[str, typer.Option(metavar="3.0|2.0|both", help="FMI version; an FMI 2.0 file ends in .fmi2.fmu.")]
 
 
@@ -122,6 +123,7 @@ def build(
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Where to put the FMUs.")] = None,
     platform: Platform = "host",
     fmi: Fmi = "3.0",
+    sources: Sources = True,
     strict_units: StrictUnits = False,
     quiet: Quiet = False,
     as_json: Json = False,
@@ -133,7 +135,7 @@ def build(
 
         choice = check_target(platform, fmi)
         with warned(screen), screen.working("building FMUs"):
-            paths = build_all(names or None, out, choice, platform, strict_units=strict_units)
+            paths = build_all(names or None, out, choice, platform, strict_units=strict_units, with_sources=sources)
         screen.document({"fmus": [str(path) for path in paths]})
         for path in paths:
             screen.say(str(path))
@@ -184,6 +186,7 @@ def export(
     explain: Annotated[bool, typer.Option("--explain", help="Also print how the equations were solved for.")] = False,
     platform: Platform = "host",
     fmi: Fmi = "3.0",
+    sources: Sources = True,
     strict_units: StrictUnits = False,
     quiet: Quiet = False,
     as_json: Json = False,
@@ -195,7 +198,16 @@ def export(
 
         choice = check_target(platform, fmi)
         with warned(screen) as found, screen.working(f"compiling {model}"):
-            paths, text = export_model(file, model, out, choice, platform, strict_units=strict_units, explain=explain)
+            paths, text = export_model(
+                file,
+                model,
+                out,
+                choice,
+                platform,
+                strict_units=strict_units,
+                explain=explain,
+                with_sources=sources,
+            )
         document: dict[str, object] = {"fmu": str(paths[0]), "fmus": [str(path) for path in paths]}
         screen.document(document | {"explanation": text, "warnings": found})
         if text is not None:

@@ -36,7 +36,13 @@ def locate(name: str) -> Path:
 
 
 def build_all(
-    names: list[str] | None, out: Path | None, fmi: FmiChoice, platforms: str, *, strict_units: bool = False
+    names: list[str] | None,
+    out: Path | None,
+    fmi: FmiChoice,
+    platforms: str,
+    *,
+    strict_units: bool = False,
+    with_sources: bool = True,
 ) -> list[Path]:
     """Build the named built-in FMUs, or all of them, into ``out`` or the default place.
 
@@ -51,7 +57,7 @@ def build_all(
         for entry in [entry for entry in entries if not entry.by_hand]:
             flat = flatten(Source.read(entry.source), entry.model)
             refuse_mismatches(flat, check_units(flat))
-    paths: list[Path] = catalogue.build(names, out, fmi, platforms)
+    paths: list[Path] = catalogue.build(names, out, fmi, platforms, with_sources=with_sources)
     return paths
 
 
@@ -64,6 +70,7 @@ def export_model(
     *,
     strict_units: bool = False,
     explain: bool = False,
+    with_sources: bool = True,
 ) -> tuple[list[Path], str | None]:
     """Compile a Modelica model into an FMU, or one of each FMI version, in the folder ``out``; return the paths.
 
@@ -73,7 +80,7 @@ def export_model(
 
     check_there(file)
     dae = compile_model(file, model, strict_units=strict_units)
-    paths: list[Path] = pack_all(dae, out, fmi=fmi, platforms=platforms)
+    paths: list[Path] = pack_all(dae, out, fmi=fmi, platforms=platforms, with_sources=with_sources)
     if not explain:
         return paths, None
     from cosim.dae import explain as explanation

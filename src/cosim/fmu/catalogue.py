@@ -86,7 +86,12 @@ def ensure(name: str, fmi: FmiVersion = "3.0") -> Path:
 
 
 def build(
-    wanted: Iterable[str] | None = None, out: Path | None = None, fmi: FmiChoice = "3.0", platforms: str = "host"
+    wanted: Iterable[str] | None = None,
+    out: Path | None = None,
+    fmi: FmiChoice = "3.0",
+    platforms: str = "host",
+    *,
+    with_sources: bool = True,
 ) -> list[Path]:
     """Build the FMUs of these names (all by default) where they are missing or out of date; their paths.
 
@@ -97,7 +102,7 @@ def build(
         ModelError, BuildError: one cannot be built.
     """
     entries = [entry_of(name) for name in (wanted or names())]
-    return [path for entry in entries for path in _build(entry, out or build_folder(), fmi, platforms)]
+    return [path for entry in entries for path in _build(entry, out or build_folder(), fmi, platforms, with_sources)]
 
 
 def entry_of(name: str) -> CatalogueEntry:
@@ -125,13 +130,19 @@ def has(path: Path) -> bool:
     )
 
 
-def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice, platforms: str = "host") -> list[Path]:
+def _build(
+    entry: CatalogueEntry, out: Path, choice: FmiChoice, platforms: str = "host", with_sources: bool = False
+) -> list[Path]:
     versions = versions_of(choice)
     paths = {fmi: out / file_name(entry.fmu_name, fmi) for fmi in versions}
     wanted = _hash(entry)
 
     def outdated() -> list[FmiVersion]:
-        return [fmi for fmi in versions if not _up_to_date(paths[fmi], wanted, _folders(platforms, fmi))]
+        return [
+            fmi
+            for fmi in versions
+            if not _up_to_date(paths[fmi], wanted, _folders(platforms, fmi) | ({"sources/"} if with_sources else set()))
+        ]
 
     if outdated():
         from filelock import FileLock
@@ -154,6 +165,7 @@ def _build(entry: CatalogueEntry, out: Path, choice: FmiChoice, platforms: str =
                     fmi="both" if len(missing) > 1 else missing[0],
                     build_hash=wanted,
                     platforms=platforms,
+                    with_sources=with_sources or out == build_folder(),
                 )
     return list(paths.values())
 
@@ -179,11 +191,11 @@ def _folders(platforms: str, fmi: FmiVersion) -> set[str]:
 
 
 def _up_to_date(path: Path, wanted: str, folders: set[str]) -> bool:
-    """Whether there is an FMU with this hash, and with a binary in each of these folders."""
+    """Whether there is an FMU with this hash, and with files in each of these folders."""
     try:
         with zipfile.ZipFile(path) as archive:
             record = json.loads(archive.read("extra/io.github.wiper-cosim/build.json"))
-            present = {name[: name.rindex("/") + 1] for name in archive.namelist() if name.startswith("binaries/")}
+            present = {name[: name.rindex("/") + 1] for name in archive.namelist() if "/" in name}
     except (OSError, KeyError, ValueError, zipfile.BadZipFile):
         return False
     return bool(record.get("hash") == wanted and folders <= present)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 
 from cosim.dae import Dae
 from cosim.fmu import _description_parts as parts
@@ -18,7 +19,7 @@ _ELEMENTS = {
 }
 
 
-def describe2(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
+def describe2(dae: Dae, layout: Layout, identifier: str, token: str, sources: Sequence[str] = ()) -> bytes:
     """The XML document.
 
     Args:
@@ -26,6 +27,7 @@ def describe2(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         layout: its variables; value references are positions.
         identifier: the name of the binary.
         token: the GUID.
+        sources: names of the C files to compile, if the FMU has its sources.
 
     Raises:
         InputError: a variable's unit is not one.
@@ -41,7 +43,7 @@ def describe2(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         canSerializeFMUstate="true",
         providesDirectionalDerivative="true",
     )
-    ET.SubElement(
+    simulation = ET.SubElement(
         root,
         "CoSimulation",
         modelIdentifier=identifier,
@@ -52,6 +54,10 @@ def describe2(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         maxOutputDerivativeOrder="1",
         providesDirectionalDerivative="true",
     )
+    if sources:
+        files = ET.SubElement(simulation, "SourceFiles")
+        for name in sources:
+            ET.SubElement(files, "File", name=name)
     parts.add_units(root, layout)
     types = parts.enumerations(layout)
     _types(root, types)

@@ -21,6 +21,7 @@ from cosim.fmu.description import describe
 from cosim.fmu.description2 import describe2
 from cosim.fmu.layout import lay_out
 from cosim.fmu.provenance import remember
+from cosim.fmu.sources import build_description, compiled, source_files
 from cosim.fmu.toolchain import RUNTIME, Platform, chosen, compile_library, fmi_headers, runtime_sources
 from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
 from cosim.modelica import Source, check_units, flatten, refuse_mismatches
@@ -56,10 +57,12 @@ def export(
     fmi: FmiVersion = "3.0",
     build_hash: str | None = None,
     platforms: str = "host",
+    with_sources: bool = True,
 ) -> Path:
     """Compile one class of a Modelica file or package to an FMU in the folder ``out``.
 
     ``platforms`` is "host", "all", or names separated by commas, as :func:`cosim.fmu.toolchain.chosen` takes them.
+    The C from which the binaries are built goes along, unless ``with_sources`` is false.
 
     The FMI 3.0 file is ``<last part of the model's name>.fmu``, the FMI 2.0 one ends in ``.fmi2.fmu``. It is written
     beside its place and moved there, so that it is never seen half done.
@@ -68,7 +71,8 @@ def export(
         ModelError: the model is wrong or uses something unsupported.
         BuildError: there is no C compiler, or it failed.
     """
-    return pack(compile_model(file, model), out, fmi=fmi, build_hash=build_hash, platforms=platforms)
+    dae = compile_model(file, model)
+    return pack(dae, out, fmi=fmi, build_hash=build_hash, platforms=platforms, with_sources=with_sources)
 
 
 def export_all(
@@ -80,34 +84,54 @@ def export_all(
     build_hash: str | None = None,
     strict_units: bool = False,
     platforms: str = "host",
+    with_sources: bool = True,
 ) -> list[Path]:
     """Compile one class once and write it as an FMU of each chosen FMI version; see :func:`export`."""
     dae = compile_model(file, model, strict_units=strict_units)
-    return pack_all(dae, out, fmi=fmi, build_hash=build_hash, platforms=platforms)
+    return pack_all(dae, out, fmi=fmi, build_hash=build_hash, platforms=platforms, with_sources=with_sources)
 
 
 def pack_all(
-    dae: Dae, out: Path, *, fmi: FmiChoice = "both", build_hash: str | None = None, platforms: str = "host"
+    dae: Dae,
+    out: Path,
+    *,
+    fmi: FmiChoice = "both",
+    build_hash: str | None = None,
+    platforms: str = "host",
+    with_sources: bool = True,
 ) -> list[Path]:
     """Write a compiled model as an FMU of each chosen FMI version; see :func:`export`."""
-    return [pack(dae, out, fmi=version, build_hash=build_hash, platforms=platforms) for version in versions_of(fmi)]
+    return [
+        pack(dae, out, fmi=version, build_hash=build_hash, platforms=platforms, with_sources=with_sources)
+        for version in versions_of(fmi)
+    ]
 
 
 def pack(
-    dae: Dae, out: Path, *, fmi: FmiVersion = "3.0", build_hash: str | None = None, platforms: str = "host"
+    dae: Dae,
+    out: Path,
+    *,
+    fmi: FmiVersion = "3.0",
+    build_hash: str | None = None,
+    platforms: str = "host",
+    with_sources: bool = True,
 ) -> Path:
     """Write a compiled model as an FMU for the platforms that :func:`toolchain.chosen` takes; see :func:`export`."""
     targets = chosen(platforms, fmi)
     identifier = re.sub(r"\W", "_", dae.name.rpartition(".")[2])
     layout = lay_out(dae)
-    sources = generate(dae, layout, _TOKEN)
-    description = (describe if fmi == "3.0" else describe2)(dae, layout, identifier, _TOKEN)
-    token = _token(sources, description)
-    sources = {name: text.replace(_TOKEN, token) for name, text in sources.items()}
+    generated = generate(dae, layout, _TOKEN)
+    listed = compiled(source_files(generated, fmi)) if with_sources else []
+    if fmi == "3.0":
+        description = describe(dae, layout, identifier, _TOKEN)
+    else:
+        description = describe2(dae, layout, identifier, _TOKEN, listed)
+    token = _token(generated, description)
+    generated = {name: text.replace(_TOKEN, token) for name, text in generated.items()}
     description = description.replace(_TOKEN.encode(), token.encode())
     with tempfile.TemporaryDirectory(prefix="cosim-build-") as temporary:
         folder = Path(temporary)
-        for name, text in sources.items():
+        for name, text in generated.items():
             (folder / name).write_text(text, encoding="utf-8")
         inputs = [folder / "model.c", *runtime_sources(fmi)], [folder, RUNTIME, fmi_headers()]
 
@@ -129,6 +153,11 @@ def pack(
             BUILD_RECORD: _record(dae, build_hash),
             "documentation/licenses/LICENSE.txt": (RUNTIME / "LICENSE").read_bytes(),
         }
+    if with_sources:
+        sources = source_files(generated, fmi)
+        if fmi == "3.0":
+            sources["buildDescription.xml"] = build_description(sources, identifier)
+        files |= {f"sources/{name}": content for name, content in sources.items()}
     return write_archive(out, file_name(identifier, fmi), files)
 
 

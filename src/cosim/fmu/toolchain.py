@@ -18,17 +18,9 @@ from cosim.fmu.versions import FmiVersion
 RUNTIME = Path(__file__).parent / "runtime"
 
 # no debug information: it holds the temporary folder's name, so that no two builds would be the same
-_FLAGS = (
-    "-std=c11",
-    "-O2",
-    "-g0",
-    "-s",
-    "-fPIC",
-    "-shared",
-    "-fvisibility=hidden",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-)
+_FLAGS = ("-std=c11", "-g0", "-s", "-shared")
+PORTABLE_FLAGS = ("-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
+"""What other compilers are told as well, that build an FMU from its sources: they are to give the same numbers."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +142,14 @@ def compile_library(
     """
     target = target or host()
     # in the folder of the output, since a library for macOS holds its own name as it was given
-    command = [*compiler(target), *_FLAGS, *(f"-I{folder.resolve()}" for folder in includes), "-o", output.name]
+    command = [
+        *compiler(target),
+        *_FLAGS,
+        *PORTABLE_FLAGS,
+        *(f"-I{folder.resolve()}" for folder in includes),
+        "-o",
+        output.name,
+    ]
     command += [str(source.resolve()) for source in sources] + ([] if target.suffix == ".dll" else ["-lm"])
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=output.parent)
     if done.returncode != 0:
