@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from cosim.assessment import Counts, score
+from cosim.cli import main
 from cosim.fmu import catalogue
-from cosim.thesis import sensitivity
+from cosim.thesis import Reproduction, Sensitivity, sensitivity
 from cosim.thesis._runs import SAMPLE_TIMES, scenario_run
 from cosim.thesis._sensitivity import Study, columns, write_runs
 from cosim.thesis._sensitivity_design import Case, alone, factorial, interactions, signs, together
@@ -206,16 +207,32 @@ def test_scatter_stays_below_its_margin() -> None:
 
 
 def fabricated(shares: Mapping[float, tuple[int, int]], answers: Mapping[float, int] | None = None) -> Study:
-    """A study with the same counts of parks and turns out of ten by all readings and under all settings."""
+    """A study with the same counts of parks and turns out of ten by all readings, under all settings."""
     late = answers or {}
-    outcomes = {
-        (time, load): Outcome(
-            {reading.key: Passed(*shares[time]) for reading in READINGS}, 10, late.get(time, 0), (0.01, 0.02), 0.01,
-            (30.0, 32.0), 0.4,
+
+    def made(time: float, setting: Setting) -> Outcome:
+        counts = {reading.key: Passed(*shares[time]) for reading in READINGS}
+        lead = 0.02 * float(setting["soft_stop"])
+        return Outcome(counts, 10, late.get(time, 0), (lead, lead), 0.01, (30.0, 32.0), 0.4)
+
+    return Study(
+        tuple(
+            Table(case, {(time, load): made(time, case.setting) for time in SAMPLE_TIMES for load in LOADS})
+            for case in (*alone(), *together(), *factorial())
         )
-        for time in SAMPLE_TIMES for load in LOADS
-    }  # fmt: skip
-    return Study(tuple(Table(case, outcomes) for case in (*alone(), *together(), *factorial())))
+    )
+
+
+def test_the_margins_are_those_of_the_runs() -> None:
+    """Here the lead is 20 ms times the Soft_stop, which is 0.5 or 1, and everything else the same."""
+    margins = fabricated(dict.fromkeys(SAMPLE_TIMES, (8, 9))).margins
+    stop = [factor.key for factor in FACTORS].index("soft_stop")
+    expected = np.zeros(11)
+    expected[stop] = 10.0
+    found = list(margins.values())
+    assert found[0].main == pytest.approx(expected, abs=1e-9)
+    for other in found[1:]:
+        assert other.main == pytest.approx(np.zeros(11), abs=1e-9)
 
 
 def test_the_page_says_what_the_rule_finds(tmp_path: Path) -> None:
@@ -254,6 +271,22 @@ def test_a_case_without_turns_has_a_verdict(bench: Bench) -> None:
     setting = {**ONE_RATE, "park": SAMPLED, "n_window": 25.0}
     (table,) = run_tables(bench, [Case("missed", "alone", setting)])
     assert all(isinstance(judge_table(table, reading), Verdict) for reading in READINGS)
+
+
+def test_the_command_varies_when_it_is_asked_to(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import cosim.cli._thesis as command
+
+    def made(out: Path, *_: object, sensitive: bool, **__: object) -> Reproduction:
+        varied = Sensitivity((out / "sensitivity.md",), "**It stands.**", "**What decides** is x.")
+        return Reproduction((), (), (), varied if sensitive else None)
+
+    monkeypatch.setattr(command, "reproduce", made)
+    for options, text in (([], ""), (["--sensitivity"], "\nIt stands.\n\nWhat decides is x.\n")):
+        with pytest.raises(SystemExit) as left:
+            main(["thesis", *options])
+        assert (left.value.code, capsys.readouterr().out) == (0, text)
 
 
 @pytest.mark.slow

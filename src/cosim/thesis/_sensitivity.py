@@ -17,7 +17,7 @@ from cosim.thesis._sensitivity_design import alone, factorial, together
 from cosim.thesis._sensitivity_effects import Array, Effects, effects
 from cosim.thesis._sensitivity_factors import FACTORS, Bench
 from cosim.thesis._sensitivity_runs import LOADS, READINGS, Outcome, Reading, Table, run_tables
-from cosim.thesis._sensitivity_verdict import Verdict, advantage, judge_table, passed_share
+from cosim.thesis._sensitivity_verdict import CLAIMED, Verdict, advantage, judge_table, passed_share
 from cosim.thesis._table import PUBLISHED
 
 
@@ -93,6 +93,15 @@ class Study:
         """Effects on the share of predictions passed, as the mean of the sampling times."""
         return self._responses(passed_share)
 
+    @cached_property
+    def margins(self) -> dict[str, Effects]:
+        """Effects on the margins of 20 ms, by their names in `MARGINS`; one that a setting does not have is neutral."""
+        found = {}
+        for name, measure in MARGINS.items():
+            values = np.array([measure(table) for table in self.of("factorial")])
+            found[name] = effects(np.where(np.isnan(values), np.nanmean(values), values))
+        return found
+
     @property
     def ranking(self) -> list[int]:
         """The factors' numbers, that which decides most on the advantage first."""
@@ -109,6 +118,31 @@ class Study:
             ((table, reading, distance(table, reading)) for table in self.tables for reading in READINGS),
             key=lambda found: found[2],
         )
+
+
+def _leads(table: Table) -> Array:
+    return 1e3 * np.array([lead for load in LOADS for lead in table.outcomes[CLAIMED, load].leads])
+
+
+def _middle(values: Sequence[float] | Array) -> float:
+    return float(np.median(values)) if len(values) else math.nan
+
+
+def _spread(values: Array) -> float:
+    return float(np.subtract(*np.percentile(values, (75, 25)))) if len(values) else math.nan
+
+
+MARGINS: dict[str, Callable[[Table], float]] = {
+    "park lead [ms]": lambda table: _middle(_leads(table)),
+    "its quartiles' distance [ms]": lambda table: _spread(_leads(table)),
+    "turn past half a revolution [deg]": lambda table: _middle(
+        [turn for load in LOADS for turn in table.outcomes[CLAIMED, load].turns]
+    ),
+    "duty ratio at half a revolution": lambda table: _middle(
+        [table.outcomes[CLAIMED, load].half_duty for load in LOADS]
+    ),
+}
+"""What lies behind the counts of 20 ms: medians over the revolutions of both loads."""
 
 
 def distance(table: Table, reading: Reading) -> float:

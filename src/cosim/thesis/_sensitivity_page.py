@@ -6,14 +6,18 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 
+import numpy as np
+
 from cosim.thesis._runs import SAMPLE_TIMES
-from cosim.thesis._sensitivity import Study, distance
+from cosim.thesis._sensitivity import MARGINS, Study, distance
 from cosim.thesis._sensitivity_factors import FACTORS, SLOW, Factor, Setting, chart_period
 from cosim.thesis._sensitivity_runs import LOADS, READINGS, Table
 from cosim.thesis._sensitivity_verdict import Verdict, judge_table, late_of, park_share
 
 STANDS, MOSTLY = 0.95, 0.5
 """Shares of the verdicts from which on a conclusion stands, and mostly stands."""
+DUTY_MIN = 0.35
+"""Least duty ratio on the rig, chapter 4."""
 COMMAND = "cosim thesis --sensitivity"
 
 
@@ -30,6 +34,8 @@ def page(study: Study, picture: str) -> str:
         "## Why",
         _law(),
         _drift_table(study),
+        "## The margins behind the counts",
+        _margin_table(study),
         "## What else the source says of sampling times",
         _statements(study),
         "## By reading",
@@ -188,6 +194,35 @@ def _drift_table(study: Study) -> str:
             cells.append(f"{1e3 * drift_law(table.case.setting, time):.0f}, {simulated}")
         lines.append(f"| {table.case.name} | {' | '.join(cells)} |")
     return "\n".join(lines)
+
+
+def _margin_table(study: Study) -> str:
+    margins, middle = study.margins, study.tables[0]
+    most = "; ".join(
+        f"{name.split(' [')[0]}: {FACTORS[int(np.argmax(np.abs(found.main)))].label}" for name, found in margins.items()
+    )
+    lines = [
+        "At 20 ms, medians of the revolutions of both loads. The lead is from the end of the planned deceleration to "
+        "the park signal. The turn is where the voltage is least; a linkage's wipers turn near half a revolution, "
+        f"where the duty ratio should be {DUTY_MIN:g}. Effects are differences between the two levels. What moves them "
+        f"most, by itself: {most}.",
+        "",
+        f"| | {' | '.join(MARGINS)} |",
+        "|---|" + "---:|" * len(MARGINS),
+        f"| {middle.case.name} | {' | '.join(_number(measure(middle), '') for measure in MARGINS.values())} |",
+    ]
+    for k in study.ranking:
+        factor = FACTORS[k]
+        cells = " | ".join(_number(float(found.main[k]), "+") for found in margins.values())
+        levels = f"{factor.format(factor.low)} → {factor.format(factor.high)}"
+        lines.append(f"| effect of {factor.label}, {levels} | {cells} |")
+    scatter = " | ".join(_number(found.margin, "") for found in margins.values())
+    lines.append(f"| scatter stays below | {scatter} |")
+    return "\n".join(lines)
+
+
+def _number(value: float, sign: str) -> str:
+    return f"{value:{sign}.3g}"
 
 
 def _statements(study: Study) -> str:
