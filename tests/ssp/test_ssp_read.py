@@ -326,3 +326,79 @@ def test_what_other_tools_write_against_the_standard(assembled: Assemble, tmp_pa
         f"{place} 'cm/s' is not defined in the Units of this file, taken as the SI has it",
         f"{place} '[furlong]' is not defined in the Units of this file, so that numbers in it are not converted",
     ]
+
+
+DIMENSION = '<ssc:Dimension size="3"/>'
+
+
+def array(name: str, kind: str, dimensions: str = DIMENSION) -> str:
+    return f'<ssd:Connector name="{name}" kind="{kind}"><ssc:Float64/>{dimensions}</ssd:Connector>'
+
+
+def test_arrays_of_version_2(run: Run) -> None:
+    """y = K u per element: K = 1, 2, 4 in the first, its start value 1 in the second; u = 5, 6, 7."""
+    dimensions = f'{DIMENSION}<ssc:Dimension size="1"/>'
+    gains = f'<ssv:Parameter name="first.K"><ssv:Float64 value="1 2 4"/>{dimensions}</ssv:Parameter>'
+    binding = inline(gains).replace('version="1.0"', 'version="2.0"')
+    structure = ssd(
+        wrapped("Connectors", array("v", "input"))
+        + wrapped("ParameterBindings", binding)
+        + wrapped(
+            "Elements",
+            element("first", array("u", "input") + array("y", "output"), "resources/vector.fmu"),
+            element("second", array("u", "input"), "resources/vector.fmu"),
+        )
+        + wrapped("Connections", link("v", "first.u"), link("first.y", "second.u"))
+    ).replace('version="1.0"', 'version="2.0"', 1)
+    result = run(structure, table="time [s],v[1] [m],v[2] [m],v[3] [m]\n0,5,6,7\n")
+    assert [result.columns[f"first.y[{k}]"][-1] for k in (1, 2, 3)] == [5.0, 12.0, 28.0]
+    assert [result.columns[f"second.y[{k}]"][-1] for k in (1, 2, 3)] == [5.0, 12.0, 28.0]
+
+
+def test_arrays_that_do_not_fit(refusal: Callable[..., str]) -> None:
+    def refused(ends: str, more: str = "", first: str = "first.y") -> str:
+        structure = ssd(
+            wrapped(
+                "Elements",
+                element("first", array("y", "output"), "resources/vector.fmu"),
+                element("second", ends, "resources/vector.fmu"),
+            )
+            + wrapped("Connections", link(first, "second.u", more=more))
+        )
+        return refusal(structure.replace('version="1.0"', 'version="2.0"')).partition(":1: ")[2]
+
+    assert refused(array("u", "input", "<ssc:Dimension/>")) == (
+        "'u' is an array without a fixed size; give its Dimension a size"
+    )
+    assert refused(array("u", "input", '<ssc:Dimension size="2"/>')) == (
+        "'y' and 'u' are connected, but have 3 elements and 2 elements; connect what has as many"
+    )
+    assert refused(connector("u", "input")) == (
+        "'y' and 'u' are connected, but have 3 elements and a scalar; connect what has as many"
+    )
+    assert refused(connector("u", "input"), first="second.u") == (
+        "connector 'u' of 'second' is an array in the FMU; give it a Dimension with its size"
+    )
+    assert refused(array("u", "input"), 'startIndices="1" endIndices="1"') == (
+        "'startIndices' picks elements of an array, and the standard does not say whether they count from 0 or 1; "
+        "connect whole arrays"
+    )
+
+
+def test_parameters_inside_of_the_fmu(
+    assembled: Assemble, refusal: Callable[..., str], fmu_path: Callable[[str, int], Path], tmp_path: Path
+) -> None:
+    own = tmp_path / "own.fmu"
+    own.write_bytes(fmu_path("integrator", 3).read_bytes())
+    with zipfile.ZipFile(own, "a") as archive:
+        archive.writestr("resources/p.ssv", SSV.format(real("gain", 6), ""))
+    binding = '<ssd:ParameterBinding source="resources/p.ssv" sourceBase="component"/>'
+    inside = element("a", U, "resources/own.fmu", wrapped("ParameterBindings", binding))
+    files: dict[str, str | bytes] = {"resources/own.fmu": own.read_bytes()}
+    system = assembled(ssd(wrapped("Elements", inside)), files)
+    assert system.components[0].parameters == {"gain": 6.0}
+    assert system.components[0].origins["gain"].endswith("x.ssp/resources/own.fmu/resources/p.ssv")
+    outside = ssd(wrapped("ParameterBindings", binding) + wrapped("Elements", inside))
+    assert refusal(outside, files) == (
+        "x.ssp/SystemStructure.ssd:1: 'resources/p.ssv' is said to lie inside of a component, but this is a system"
+    )

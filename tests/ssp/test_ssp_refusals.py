@@ -185,6 +185,16 @@ STRUCTURES = {
         "parameter 'a.x0' for a.x0: cannot convert km/h to m: m.s-1 against m; correct a unit, or set "
         "suppressUnitConversion to take the numbers as they are",
     ),
+    "a list for a scalar": (
+        with_values(real("a.x0", "1 2")).replace('version="1.0"', 'version="2.0"'),
+        "parameter 'a.x0' has the value '1 2'; a scalar has one number",
+    ),
+    "an array of another length": (
+        with_values(
+            '<ssv:Parameter name="a.x0"><ssv:Real value="1 2"/><ssc:Dimension size="3"/></ssv:Parameter>'
+        ).replace('version="1.0"', 'version="2.0"'),
+        "parameter 'a.x0' is an array of 3 elements, its value has 2; give as many numbers",
+    ),
     "a value that is not a number": (
         with_values(real("a.x0", "NaN")),
         "parameter 'a.x0' is not a number (NaN); give it a value",
@@ -275,7 +285,8 @@ POOL = (
     *("", "a", "b", "u", "x", "y", "a.u", "root", "gain", "a.gain", "s", "#s", "0", "1", "-1", "1e400", "NaN", "INF"),
     *("true", "km/h", "m", "input", "output", "inout", "parameter", "2.0", "1.0", "resources/integrator.fmu", "//"),
     *("resources/..", "application/x-ssp-definition", "SystemStructure.ssd", "SSD", "component", "\u00e9", " ", "%00"),
-    *("x" * 300, "http://["),
+    "x" * 300,
+    *("http://[", "1 2", "3", "", "true false"),
 )
 VALID = pair(
     link("v", "a.u", '<ssc:LinearTransformation factor="2" offset="1"/>'),
@@ -319,9 +330,9 @@ EDITS = st.lists(
 )
 
 
-def edited(edits: list[Edit]) -> bytes:
+def edited(edits: list[Edit], version: str) -> bytes:
     """Return the valid structure with elements deleted, doubled and moved, and attributes replaced."""
-    root = etree.fromstring(VALID)
+    root = etree.fromstring(VALID.replace('version="1.0"', f'version="{version}"'))
     for what, first, second, text in edits:
         nodes = list(root.iter())
         node, other = nodes[first % len(nodes)], nodes[second % len(nodes)]
@@ -342,16 +353,16 @@ def edited(edits: list[Edit]) -> bytes:
     return bytes(etree.tostring(root))
 
 
-@given(edits=EDITS)
+@given(edits=EDITS, version=st.sampled_from(["1.0", "2.0"]))
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_damaged_structure_is_read_or_refused(
-    edits: list[Edit], one_fmu: Fmu, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    edits: list[Edit], version: str, one_fmu: Fmu, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(_flatten, "read_fmu", lambda location, place, interface: (location.content(place), one_fmu)[1])
     path = tmp_path / "SystemStructure.ssd"
     (tmp_path / "resources").mkdir(exist_ok=True)
     (tmp_path / "resources" / "integrator.fmu").touch()
-    path.write_bytes(edited(edits))
+    path.write_bytes(edited(edits, version))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -383,11 +394,12 @@ def test_damaged_bytes_are_read_or_refused(
             assert str(error).startswith(str(tmp_path))
 
 
+@pytest.mark.parametrize("version", ["1.0", "2.0"])
 def test_the_structure_that_is_damaged_is_a_valid_one(
-    one_fmu: Fmu, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    version: str, one_fmu: Fmu, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(_flatten, "read_fmu", lambda location, place, interface: one_fmu)
-    (tmp_path / "SystemStructure.ssd").write_text(VALID)
+    (tmp_path / "SystemStructure.ssd").write_text(VALID.replace('version="1.0"', f'version="{version}"'))
     read = read_ssp(tmp_path / "SystemStructure.ssd")
     assert [component.name for component in read.components] == ["a", "b", "s.c"]
     assert (len(read.connections), list(read.inputs), len(read.starts)) == (2, ["v"], 0)

@@ -16,6 +16,7 @@ from typer.testing import CliRunner, Result
 
 from cosim.cli._app import app
 from cosim.engine import Component, Connection, Fmu, System
+from cosim.errors import InputError
 from cosim.fmu import catalogue
 from cosim.ssp import read_ssp, write_ssp
 from ssp.structures import connector, element, inline, link, real, ssd, wrapped
@@ -244,3 +245,31 @@ def test_fmpy_runs_the_wiper_a_few_steps_late(cosim: Cosim, tmp_path: Path) -> N
     assert exact[-1] > 1.0
     assert np.all(theirs <= exact + 1e-6)
     assert np.all(theirs[3:] >= exact[:-3] - 1e-6)
+
+
+def test_options_that_are_refused(fmu_path: Paths, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    scenario = pair(fmu_path, 3, tmp_path / "y_ssp.csv")
+    for options, message in {
+        ("--ssp", "3.0"): "--ssp 3.0: accepted are 1.0 and 2.0",
+        ("--out", "y.zip"): "--out y.zip: give the path of an .ssp file",
+        (
+            "--out",
+            "y.ssp",
+        ): "--out y.ssp: y_ssp.csv, which is written beside it, is the scenario itself; give another name",
+        ("--set", "plant.x0=1 V"): "--set: '1 V' is in V, 'plant.x0' is in m; write for example 1 m",
+    }.items():
+        done = CliRunner().invoke(app, ["export-ssp", str(scenario), *options])
+        assert (done.exit_code, done.stdout) == (2, "")
+        assert done.stderr == f"error: {message}\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["y_ssp.csv"]
+
+
+def test_arrays_are_not_written(fmu_path: Paths, tmp_path: Path) -> None:
+    with Fmu.read(fmu_path("vector", 3)) as vector:
+        system = System([Component("a", vector), Component("b", vector)], [Connection(("a", "y[1]"), ("b", "u[1]"))])
+        with pytest.raises(InputError) as error:
+            write_ssp(system, tmp_path / "x.ssp", name="x", stop=1.0)
+    assert str(error.value) == (
+        "a.y[1] is an element of an array, which an SSP cannot connect alone: none is written; use an FMU with scalars"
+    )

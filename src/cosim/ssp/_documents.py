@@ -61,7 +61,7 @@ class Documents:
         for end in sorted(used):
             if self._variables[end].array is not None:
                 raise InputError(
-                    f"{'.'.join(end)} is an element of an array, which SSP 1.0 cannot connect, so no SSP is written; "
+                    f"{'.'.join(end)} is an element of an array, which an SSP cannot connect alone: none is written; "
                     "use an FMU with scalars"
                 )
 

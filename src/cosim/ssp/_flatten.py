@@ -203,7 +203,7 @@ def _check_connector(connector: Connector, owner: str, fmu: Fmu) -> None:
         if connector.name in fmu.left_out:
             raise connector.place.fail(f"{what} is {fmu.left_out[connector.name]}; it cannot be connected")
         if any(one.array == connector.name for one in fmu.variables.values()):
-            raise connector.place.fail(f"{what} is an array in the FMU; this version connects scalars only")
+            raise connector.place.fail(f"{what} is an array in the FMU; give it a Dimension with its size")
         raise connector.place.fail(f"{what}: {fmu.path.name} has no such variable; correct the name")
     kinds = _KINDS.get(variable.causality, (variable.causality,))
     if connector.kind not in kinds and not (connector.kind == "constant" and variable.variability == "constant"):

@@ -95,6 +95,8 @@ class Element:
     name: str
     place: Place
     connectors: dict[str, Connector]
+    arrays: dict[str, list[str]]
+    """The connectors that are the elements of an array, by its name."""
     bindings: list[Binding]
 
 

@@ -113,6 +113,16 @@ class Location:
                 raise place.fail(f"'{uri}' leads out of {self.package.label}; put the file into it")
         return Location(self.package, "/".join(steps)), unquote(parts.fragment)
 
+    def inside(self, place: Place, name: str = "") -> Location:
+        """Return a file in this one, which is an archive; raises InputError, at the place, if it cannot be opened."""
+        path, folder = self.on_disk(place)
+        try:
+            return Location(ZipPackage(path, self.label), name)
+        except InputError as error:
+            raise place.fail(str(error).replace(str(path), self.label)) from error
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
     def on_disk(self, place: Place) -> tuple[Path, str]:
         """Copy the file into a new temporary folder; return its path, and the folder, which the caller removes."""
         content = self.content(place)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cosim.engine import Interface
 from cosim.errors import InputError
+from cosim.ssp._arrays import elements
 from cosim.ssp._model import (
     Binding,
     ComponentElement,
@@ -21,7 +21,7 @@ from cosim.ssp._model import (
     Transformation,
     plain_type,
 )
-from cosim.ssp._package import DEFAULT, Location, ZipPackage
+from cosim.ssp._package import DEFAULT, Location
 from cosim.ssp._xml import Node, Place, parse
 from cosim.units import BASE, Unit
 from cosim.units import parse as parse_unit
@@ -29,6 +29,7 @@ from cosim.units import parse as parse_unit
 _FMU = "application/x-fmu-sharedlibrary"
 _SSD = "application/x-ssp-definition"
 _SSP = "application/x-ssp-package"
+_TYPES = {"ssv": "application/x-ssp-parameter-set", "ssm": "application/x-ssp-parameter-mapping"}
 _TRANSFORMATIONS = ("Boolean", "Integer", "Enumeration")
 _IMPLEMENTATIONS: dict[str, Interface | None] = {
     "any": None,
@@ -81,7 +82,7 @@ class _Reader:
 
     def _system(self, node: Node, file: _File) -> SystemElement:
         self._count(node.place, file.level)
-        system = SystemElement(node.text("name"), node.place, _connectors(node, file), _bindings(node, file))
+        system = SystemElement(node.text("name"), node.place, *_connectors(node, file), _bindings(node, file))
         for path in ("ssd:SignalDictionaries/ssd:SignalDictionary", "ssd:Elements/ssd:SignalDictionaryReference"):
             found = node.child(path)
             if found is not None:
@@ -89,13 +90,14 @@ class _Reader:
                     f"'{found.text('name')}' is a {found.name}, which this version does not read; "
                     "connect the components directly"
                 )
-        elements = node.child("ssd:Elements")
-        for inner in elements.of("ssd") if elements else ():
+        around = node.child("ssd:Elements")
+        for inner in around.of("ssd") if around else ():
             element = self._system(inner, file) if inner.name == "System" else self._component(inner, file)
             if element.name in system.elements:
                 raise inner.place.fail(f"a second element '{element.name}' in system '{system.name}'; rename one")
             system.elements[element.name] = element
-        system.links = [_link(link) for link in node.children("ssd:Connections/ssd:Connection")]
+        for link in node.children("ssd:Connections/ssd:Connection"):
+            system.links += _links(link, system)
         return system
 
     def _component(self, node: Node, file: _File) -> Element:
@@ -118,7 +120,12 @@ class _Reader:
                 "implementation to one of these, or leave it out"
             )
         return ComponentElement(
-            name, node.place, _connectors(node, file), _bindings(node, file), location, _IMPLEMENTATIONS[wanted]
+            name,
+            node.place,
+            *_connectors(node, file),
+            _bindings(node, file, location),
+            location,
+            _IMPLEMENTATIONS[wanted],
         )
 
     def _referenced(self, node: Node, file: _File, location: Location, fragment: str, kind: str) -> SystemElement:
@@ -132,16 +139,9 @@ class _Reader:
         elif kind == _SSD:
             system = self.structure(location, node.place, level).root
         else:
-            path, folder = location.on_disk(node.place)
-            try:
-                package = ZipPackage(path, location.label)
-            except InputError as error:
-                raise node.place.fail(str(error).replace(str(path), location.label)) from error
-            finally:
-                shutil.rmtree(folder, ignore_errors=True)
-            system = self.structure(Location(package, fragment or DEFAULT), node.place, level).root
+            system = self.structure(location.inside(node.place, fragment or DEFAULT), node.place, level).root
         system.name = node.text("name")
-        system.bindings += _bindings(node, file)
+        system.bindings += _bindings(node, file, location)
         return system
 
 
@@ -181,35 +181,50 @@ def _unit(node: Node, units: dict[str, Unit]) -> Unit | None:
     return unit
 
 
-def _connectors(node: Node, file: _File) -> dict[str, Connector]:
+def _connectors(node: Node, file: _File) -> tuple[dict[str, Connector], dict[str, list[str]]]:
+    """Return the connectors of an element, those of arrays one by one, and the names of these."""
     found: dict[str, Connector] = {}
+    arrays: dict[str, list[str]] = {}
     for inner in node.children("ssd:Connectors/ssd:Connector"):
         name = inner.text("name")
         if name in found:
             raise inner.place.fail(f"a second connector '{name}' of '{node.text('name')}'; names must differ")
         typed = next((one for one in inner.of("ssc") if one.name not in ("Dimension", "Annotations", "MetaData")), None)
-        for array in (*inner.children("ssd:Dimension"), *inner.children("ssc:Dimension")):
-            raise array.place.fail(
-                f"connector '{name}' of '{node.text('name')}' is an array; this version connects scalars only"
-            )
-        found[name] = Connector(
-            name,
-            inner.text("kind"),
-            None if typed is None else plain_type(typed.name),
-            None if typed is None else _unit(typed, file.units),
-            inner.place,
-        )
-    return found
+        type_ = None if typed is None else plain_type(typed.name)
+        unit = None if typed is None else _unit(typed, file.units)
+        several = elements(inner, name)
+        if several is not None:
+            arrays[name] = several
+        for one in [name] if several is None else several:
+            found[one] = Connector(one, inner.text("kind"), type_, unit, inner.place)
+    return found, arrays
 
 
-def _link(node: Node) -> Link:
+def _links(node: Node, system: SystemElement) -> list[Link]:
+    """Return a connection, or one for each element of the arrays that it connects."""
     for attribute in ("startIndices", "endIndices"):
         if node.has(attribute):
-            raise node.place.fail("connects an element of an array; this version connects scalars only")
+            raise node.place.fail(
+                f"'{attribute}' picks elements of an array, and the standard does not say whether they count from 0 or "
+                "1; connect whole arrays"
+            )
     # An empty name stands for the system itself too: other tools write it so.
     start = (node.text("startElement") or None, node.text("startConnector"))
     end = (node.text("endElement") or None, node.text("endConnector"))
-    return Link(start, end, node.flag("suppressUnitConversion"), _transformation(node), node.place)
+    link = Link(start, end, node.flag("suppressUnitConversion"), _transformation(node), node.place)
+    arrays: list[list[str] | None] = []
+    for owner, name in (start, end):
+        element = system if owner is None else system.elements.get(owner)
+        arrays.append(None if element is None else element.arrays.get(name))
+    one, other = arrays
+    if one is None and other is None:
+        return [link]
+    if one is None or other is None or len(one) != len(other):
+        sizes = " and ".join("a scalar" if array is None else f"{len(array)} elements" for array in arrays)
+        raise node.place.fail(f"'{start[1]}' and '{end[1]}' are connected, but have {sizes}; connect what has as many")
+    return [
+        replace(link, start=(start[0], first), end=(end[0], second)) for first, second in zip(one, other, strict=True)
+    ]
 
 
 def _transformation(node: Node) -> Transformation | None:
@@ -239,36 +254,40 @@ def _canonical(kind: str, text: str) -> str:
     return str(int(text)) if kind == "Integer" else text
 
 
-def _bindings(node: Node, file: _File) -> list[Binding]:
-    return [_binding(inner, file) for inner in node.children("ssd:ParameterBindings/ssd:ParameterBinding")]
+def _bindings(node: Node, file: _File, component: Location | None = None) -> list[Binding]:
+    """Return the parameter bindings of an element; their files may lie inside of the ``component``."""
+    return [_binding(inner, file, component) for inner in node.children("ssd:ParameterBindings/ssd:ParameterBinding")]
 
 
-def _binding(node: Node, file: _File) -> Binding:
-    values, origin = _content(node, node.child("ssd:ParameterValues"), file, "ssv", "parameter-set")
+def _binding(node: Node, file: _File, component: Location | None) -> Binding:
+    values, origin = _content(node, node.child("ssd:ParameterValues"), file, component, "ssv")
     if values is None:
         raise node.place.fail("the parameter binding has neither a source nor ParameterValues; give it one")
     mapping_node = node.child("ssd:ParameterMapping")
     mapping: tuple[MappingEntry, ...] | None = None
     if mapping_node is not None:
-        found, _ = _content(mapping_node, mapping_node, file, "ssm", "parameter-mapping")
+        found, _ = _content(mapping_node, mapping_node, file, component, "ssm")
         if found is None:
             raise mapping_node.place.fail("the parameter mapping has neither a source nor content; give it one")
         mapping = _entries(found)
     return Binding(_parameters(values), node.text("prefix"), mapping, origin, node.place)
 
 
-def _content(node: Node, around: Node | None, file: _File, kind: str, type_: str) -> tuple[Node | None, str]:
+def _content(
+    node: Node, around: Node | None, file: _File, component: Location | None, kind: str
+) -> tuple[Node | None, str]:
     """Return the root of a parameter set or mapping, from its own file or inline, and what a user knows it by."""
-    type_ = f"application/x-ssp-{type_}"
+    type_ = _TYPES[kind]
     if node.text("type", type_) != type_:
         raise node.place.fail(f"'{node.text('source')}' is of the type '{node.text('type')}'; {type_} is read")
     if not node.has("source"):
         return (around.inline(kind) if around is not None else None), file.location.label
+    base = file.location
     if node.text("sourceBase", "SSD") != "SSD":
-        raise node.place.fail(
-            f"'{node.text('source')}' lies inside of a component (sourceBase); put the file beside the FMU"
-        )
-    location, _ = file.location.at(node.text("source"), node.place)
+        if component is None:
+            raise node.place.fail(f"'{node.text('source')}' is said to lie inside of a component, but this is a system")
+        base = component.inside(node.place)
+    location, _ = base.at(node.text("source"), node.place)
     return parse(location.content(node.place), location.label, kind), location.label
 
 
@@ -277,14 +296,21 @@ def _parameters(root: Node) -> tuple[Parameter, ...]:
     found: dict[str, Parameter] = {}
     for node in root.children("ssv:Parameters/ssv:Parameter"):
         name = node.text("name")
-        for array in (*node.children("ssv:Dimension"), *node.children("ssc:Dimension")):
-            raise array.place.fail(f"parameter '{name}' is an array; set its elements one by one, such as '{name}[1]'")
         typed = next((one for one in node.of("ssv") if one.name != "Annotations"), None)
-        if typed is None:
+        if typed is None or not typed.has("value"):
             raise node.place.fail(f"parameter '{name}' has no value; give it one")
-        parameter = Parameter(name, plain_type(typed.name), typed.text("value"), _unit(typed, units), node.place)
-        if found.setdefault(name, parameter).value != parameter.value:
-            raise node.place.fail(f"a second value of parameter '{name}' in this parameter set; give one")
+        names, given = elements(node, name), [typed.text("value")]
+        if names is not None:
+            given = typed.text("value").split()
+            if plain_type(typed.name) not in ("Real", "Integer", "Boolean") or len(given) != len(names):
+                raise node.place.fail(
+                    f"parameter '{name}' is an array of {len(names)} elements, its value has {len(given)}; give as "
+                    "many numbers"
+                )
+        for one, text in zip(names or [name], given, strict=True):
+            parameter = Parameter(one, plain_type(typed.name), text, _unit(typed, units), node.place)
+            if found.setdefault(one, parameter).value != text:
+                raise node.place.fail(f"a second value of parameter '{one}' in this parameter set; give one")
     return tuple(found.values())
 
 

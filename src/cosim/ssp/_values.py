@@ -82,9 +82,12 @@ def _named(binding: Binding, found: Values) -> Iterator[tuple[Parameter, Mapping
     missing: list[str] = []
     by_name = {binding.prefix + parameter.name: parameter for parameter in binding.parameters}
     for entry in binding.mapping:
+        array = [name for name in by_name if name.startswith(f"{entry.source}[")]
         if entry.source in by_name:
             yield by_name[entry.source], entry
-        else:
+        for name in array:
+            yield by_name[name], replace(entry, target=entry.target + name.removeprefix(entry.source))
+        if not array and entry.source not in by_name:
             missing.append(entry.source)
     if missing:
         found.notes.append(
@@ -148,11 +151,18 @@ def _given(parameter: Parameter) -> _Given:
     text = parameter.value
     match parameter.type:
         case "Real" | "Integer":
-            number = float(text)
+            try:
+                number = float(text)
+            except ValueError:  # SSP 2.0 has lists of numbers, for arrays
+                raise parameter.place.fail(
+                    f"parameter '{parameter.name}' has the value '{text}'; a scalar has one number"
+                ) from None
             if math.isnan(number):
                 raise parameter.place.fail(f"parameter '{parameter.name}' is not a number (NaN); give it a value")
             return _Given(parameter.type, number, text, parameter.unit)
         case "Boolean":
+            if text.strip() not in ("true", "false", "0", "1"):
+                raise parameter.place.fail(f"parameter '{parameter.name}' has the value '{text}'; write true or false")
             number = float(text.strip() in ("true", "1"))
             return _Given("Boolean", number, str(int(number)), None)
         case "String" | "Enumeration":
