@@ -12,6 +12,7 @@ from both_loops import simulate
 from cosim.engine import Channel, Component, Connection, Fmu, Isolate, PartialResultError, Role, System, role_of
 from cosim.engine import simulate as simulate_once
 from cosim.errors import FmuError
+from cosim.fmu import catalogue
 
 Get = Callable[..., Fmu]
 G, E = 9.81, 0.7
@@ -156,3 +157,25 @@ def test_failures_say_what_when_and_who(fmu: Get, version: int, parameter: dict[
 def test_co_simulation_can_be_asked_for_and_is_missed(fmu_path: Callable[[str, int], object], version: int) -> None:
     with pytest.raises(FmuError, match="has no Co-Simulation interface"):
         Fmu.read(fmu_path("ball", version), "CoSimulation")  # type: ignore[arg-type]
+
+
+@versions
+def test_our_own_plant_agrees_with_its_co_simulation(version: int) -> None:
+    """The rig, its diode and park contact, pushed and under a sampled controller: two solvers, one trajectory."""
+    path, controller = (catalogue.ensure(name, "2.0" if version == 2 else "3.0") for name in ("rig", "speed_control"))
+    found = {}
+    for interface in ("CoSimulation", "ModelExchange"):
+        with Fmu.read(path, interface) as plant, Fmu.read(controller) as speed_control:  # type: ignore[arg-type]
+            system = System(
+                [Component("plant", plant), Component("controller", speed_control)],
+                [
+                    Connection(("plant", "w_crank"), ("controller", "w_crank")),
+                    Connection(("controller", "duty"), ("plant", "duty")),
+                ],
+                [Channel(("plant", "tau_disturbance"), [0.0, 1.0, 1.3], [0.0, -4.0, 0.0])],
+            )
+            found[interface] = simulate(system, stop=3.0, output_interval=1e-3, tolerance=1e-9)
+    stepped, integrated = found["CoSimulation"].columns, found["ModelExchange"].columns
+    for name in ("plant.phi_crank", "plant.w_crank", "plant.i_motor", "controller.duty"):
+        assert np.abs(stepped[name] - integrated[name]).max() < 1e-5, name
+    assert stepped["plant.park"].tolist() == integrated["plant.park"].tolist()

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 
 from cosim.engine._calls import Site
@@ -18,7 +19,8 @@ from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Plan, make_plan, roles_of
 from cosim.engine._record import Record, failure_message
 from cosim.engine._role import Role
-from cosim.engine._system import System
+from cosim.engine._system import Component, System
+from cosim.errors import FmuError
 
 _COUNTERS = ("steps", "rejected_steps", "rhs_evaluations", "jacobians", "state_events", "time_events")
 
@@ -57,14 +59,41 @@ def instantiated(job: Job, sites: Sequence[Site]) -> Iterator[Plan]:
     system = job.system
     roles = roles_of(system) if job.step is None else {c.name: Role.CONTINUOUS for c in system.components}
     instances: dict[str, Instance] = {}
+    once = [c for c in system.components if c.fmu.capabilities["canBeInstantiatedOnlyOncePerProcess"]]
+    with ExitStack() as claims:
+        for component in once:
+            claims.enter_context(_claimed(component))
+        try:
+            for component, site in zip(system.components, sites, strict=True):
+                event_mode = roles[component.name] is Role.EVENT
+                instances[component.name] = instantiate(component.name, component.fmu, event_mode, site)
+            yield make_plan(system, roles, instances, job.output_interval)
+        finally:
+            for instance in instances.values():
+                instance.free()
+
+
+_in_use: dict[str, str] = {}
+_claiming = threading.Lock()
+
+
+@contextmanager
+def _claimed(component: Component) -> Iterator[None]:
+    """Keep other runs of this process from an FMU that it may have one instance of; raises FmuError if one has it."""
+    key = component.fmu.sha256
+    with _claiming:
+        if key in _in_use:
+            raise FmuError(
+                f"{component.name} ({component.fmu.name}) can be used only once in a process, and another run that has "
+                f"not ended uses it as {_in_use[key]}; let that end first, or run this one in a process of its own",
+                file=component.fmu.path,
+            )
+        _in_use[key] = component.name
     try:
-        for component, site in zip(system.components, sites, strict=True):
-            event_mode = roles[component.name] is Role.EVENT
-            instances[component.name] = instantiate(component.name, component.fmu, event_mode, site)
-        yield make_plan(system, roles, instances, job.output_interval)
+        yield
     finally:
-        for instance in instances.values():
-            instance.free()
+        with _claiming:
+            del _in_use[key]
 
 
 def execute(job: Job, plan: Plan, record: Record, progress: Callable[[float], None] | None) -> Ending:

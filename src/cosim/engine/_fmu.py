@@ -10,6 +10,7 @@ import tempfile
 import threading
 import warnings
 import weakref
+from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
 from typing import Literal, Self, TypeAlias
@@ -21,6 +22,7 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import InterfaceType, ModelDescription
 
 from cosim.archive import Archive
+from cosim.engine._binary import load
 from cosim.engine._fmi1 import facts_of
 from cosim.engine._variable import Variable, left_out, names_of, opaque_of, variables_of
 from cosim.errors import FmuError, FmuWarning
@@ -182,7 +184,7 @@ class Fmu:
         if library not in names:
             raise FmuError(
                 f"has no binary for this computer ({library}); it has {', '.join(platforms) or 'none'}; "
-                "export it for this platform",
+                f"{_remedy(path, names)}",
                 file=path,
             )
         try:
@@ -213,15 +215,14 @@ class Fmu:
         kind = _KINDS[self.fmi_version, self.interface]
         working_folder = Path.cwd()
         try:
-            return kind(
+            return load(
+                kind,
+                self.fmi_types.values(),
+                self.path,
                 guid=self._token,
                 modelIdentifier=self.model_identifier,
                 unzipDirectory=self._folder,
             )
-        except AttributeError as error:
-            raise FmuError(f"its binary lacks an FMI function: {error}; export it again", file=self.path) from error
-        except Exception as error:
-            raise FmuError(f"its binary cannot be loaded: {error}", file=self.path) from error
         finally:
             os.chdir(working_folder)
 
@@ -266,6 +267,12 @@ def _fixed_step(description: ModelDescription, internal: object) -> float | None
         if math.isfinite(step) and step > 0.0:
             return step
     return None
+
+
+def _remedy(path: Path, names: Iterable[str]) -> str:
+    if any(name.startswith("sources/") and name.endswith(".c") for name in names):
+        return f"it has C sources: `fmpy compile {path}` adds a binary that a C compiler here makes of them"
+    return "export it for this platform"
 
 
 def _element(description: ModelDescription, interface: Interface) -> InterfaceType:

@@ -101,10 +101,11 @@ class Instance(ABC):
                 self._slave.setDebugLogging(True, categories)
             self.site.leave()
         except Exception as error:
-            raise FmuError(
-                f"{name} ({fmu.name}) cannot be instantiated; {self.log}; check that the file is complete",
-                file=fmu.path,
-            ) from error
+            check = "check that the file is complete"
+            if fmu.capabilities["needsExecutionTool"]:
+                tool = fmu.generation_tool or "the tool that exported it"
+                check = f"it needs {tool} on this computer: check that this is installed and has its licence"
+            raise FmuError(f"{name} ({fmu.name}) cannot be instantiated; {self.log}; {check}", file=fmu.path) from error
         self._bind_calls()
 
     @abstractmethod

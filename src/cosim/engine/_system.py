@@ -111,7 +111,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 def _check_single_instance(component: Component, components: list[Component]) -> None:
     if component.fmu.capabilities["canBeInstantiatedOnlyOncePerProcess"]:
-        names = [other.name for other in components if other.fmu is component.fmu]
+        names = [other.name for other in components if other.fmu.sha256 == component.fmu.sha256]
         if len(names) > 1:
             raise FmuError(
                 f"can be used only once in a system, but it is {', '.join(names)}; keep one of them",
