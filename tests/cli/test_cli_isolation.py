@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -43,6 +45,31 @@ def test_options_that_cannot_be_meant(
     done = cosim("run", scenario, option, value)
     assert (done.exit_code, done.stderr) == (2, f"error: {option} {value}: {message}\n")
     assert simulated == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
+def test_control_c_ends_a_command_whose_fmu_hangs_and_keeps_the_rows(tmp_path: Path) -> None:
+    fmu = build(CRASH, 2, tmp_path)
+    scenario = tmp_path / "x.csv"
+    scenario.write_text(
+        f"# system: {fmu.name}\n# controller: none\n# stop: 0.1 s\n# output_interval: 10 ms\ntime [s]\n0\n"
+    )
+    command = [sys.executable, "-m", "cosim", "run", str(scenario), "--no-plots"]
+    environment = os.environ | {"CRASH": "DoStep touch", "CRASH_FILE": str(tmp_path / "reached")}
+    with subprocess.Popen(command, env=environment, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as running:
+        deadline = time.perf_counter() + 60.0
+        while not (tmp_path / "reached").exists() and time.perf_counter() < deadline:
+            time.sleep(0.02)
+        running.send_signal(signal.SIGINT)
+        _, said = running.communicate(timeout=30.0)
+    assert running.returncode == 130
+    assert said == (
+        f"error: {scenario}: the simulation was interrupted at t = 0.04 s; what was computed before is in "
+        f"{Path('results/x')}, marked incomplete\n"
+    )
+    assert len((tmp_path / "results/x/results.csv").read_text().splitlines()) == 6
+    summary = json.loads((tmp_path / "results/x/summary.json").read_text())
+    assert (summary["complete"], summary["rows"]) == (False, 5)
 
 
 def test_a_crash_ends_the_command_with_3_and_keeps_the_rows(tmp_path: Path) -> None:

@@ -26,6 +26,7 @@ from cosim.engine import (
     Result,
     SimulationInterrupted,
     System,
+    explain_timing,
     simulate,
 )
 from cosim.errors import CosimError, FmuError, InputError, SimulationError
@@ -194,6 +195,24 @@ def test_the_numbers_are_those_of_a_run_in_process(
     isolated, here = result("always"), result("never")
     assert isolated.statistics["loop"] == loop
     compare(isolated, here)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_timing_is_explained_in_a_worker_too(fmu: Get, monkeypatch: pytest.MonkeyPatch, version: int) -> None:
+    system = feedback(fmu, version)
+
+    def text(isolate: Isolate) -> str:
+        return explain_timing(system, stop=1.0, output_interval=0.01, isolate=isolate)
+
+    assert text("always") == text("never")
+    monkeypatch.setenv("CRASH", "DoStep abort")
+    system.components.append(Component("third", fmu("crash", version)))
+    with pytest.raises(SimulationError) as caught:
+        text("always")
+    assert str(caught.value) == (
+        f"the simulation failed at t = 0.04 s: third (crash): crashed in fmi{version}DoStep, with {_ABORT}; "
+        f"the FMU gave no reason; {_TOOL}"
+    )
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -105,12 +105,11 @@ def run(
         from cosim.cli._isolation import isolation, prepare
 
         isolated = isolation(isolate, call_timeout, memory_limit)
-        if not timing:
-            prepare(files, isolated, settings or [])
+        prepare(files, isolated, settings or [])
         from cosim.cli._run import explain_files, run_files
 
         if timing:
-            raise typer.Exit(explain_files(files, settings or [], screen))
+            raise typer.Exit(explain_files(files, settings or [], screen, isolated))
         raise typer.Exit(run_files(files, out, settings or [], screen, isolated, plots=plots))
 
 

@@ -30,7 +30,7 @@ class Outcome:
     timing: str | None = None
 
 
-def explain_files(files: Sequence[Path], settings: Sequence[str], screen: Screen) -> int:
+def explain_files(files: Sequence[Path], settings: Sequence[str], screen: Screen, isolation: Isolation) -> int:
     """Tell when things happen in the runs of these scenarios, without running them; return the worst exit code."""
     outcomes: list[Outcome] = []
     for file in files:
@@ -45,6 +45,9 @@ def explain_files(files: Sequence[Path], settings: Sequence[str], screen: Screen
                     stop=scenario.stop,
                     output_interval=scenario.output_interval,
                     tolerance=scenario.tolerance,
+                    isolate=isolation.isolate,
+                    call_timeout=isolation.call_timeout,
+                    memory_limit=isolation.memory_limit,
                 )
             screen.say(f"{file}\n\n{outcome.timing}\n")
         except CosimError as error:

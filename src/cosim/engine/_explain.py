@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from functools import partial
 from itertools import pairwise
 
 from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_steps, check_step
+from cosim.engine._calls import Site
+from cosim.engine._execution import Ending, Job
 from cosim.engine._initialize import initialize
 from cosim.engine._instance import CallError, instantiate
+from cosim.engine._isolation import Isolate, Progress, is_isolated, supervised
 from cosim.engine._loop import run, run_jacobi
 from cosim.engine._parameters import parameters_of
-from cosim.engine._plan import Plan, make_plan, roles_of
+from cosim.engine._plan import Plan, lay_out, make_plan, roles_of
 from cosim.engine._probe import probe
 from cosim.engine._record import Record, failure_message
 from cosim.engine._role import Role, period_of
+from cosim.engine._supervisor import Limits
 from cosim.engine._system import SAME_INSTANT, System, dotted
 from cosim.engine._trace import Component, Enough, Trace, TracedParticipant, Travel
 from cosim.errors import SimulationError
+from cosim.worker import Answer
 
 _WANTED = 12
 _SHOWN = 4
@@ -31,6 +37,9 @@ def explain_timing(
     tolerance: float = 1e-6,
     algorithm: Algorithm = "gauss-seidel",
     step: float | None = None,
+    isolate: Isolate = "never",
+    call_timeout: float = Limits.call,
+    memory_limit: float | None = Limits.memory,
 ) -> str:
     """Return a text on when things happen in this system; the arguments are those of ``simulate``.
 
@@ -44,8 +53,28 @@ def explain_timing(
     check_step(algorithm, step, stop, output_interval)
     system.check()
     check_fixed_steps(system, step)
+    limits = Limits(call_timeout, memory_limit)
+    job = Job(system, stop, output_interval, tolerance, step)
+    width = lay_out(system).recorded
+    if not is_isolated(isolate, system):
+        record = Record.empty(stop, output_interval, width, "python")
+        return _explain(job, record, [Site(record.at, number) for number in range(len(system.components))])
+    _, explanation = supervised(_explain_there, job, width, "python", limits)
+    if isinstance(explanation, Ending):
+        if explanation.interrupted:
+            raise KeyboardInterrupt(explanation.message)
+        raise SimulationError(explanation.message)
+    return str(explanation)
+
+
+def _explain_there(job: Job, record: Record, sites: Sequence[Site], _: Progress, answer: Answer) -> None:
+    answer(_explain(job, record, sites))
+
+
+def _explain(job: Job, record: Record, sites: Sequence[Site]) -> str:
+    system, step, output_interval = job.system, job.step, job.output_interval
     trace = Trace(_WANTED)
-    plan = _traced(system, trace, stop, output_interval, tolerance, step)
+    plan = _traced(job, trace, record, sites)
     lines = [_heading(trace, output_interval, step), "", "Components, in the order in which an instant computes them:"]
     order = [*plan.continuous, *plan.discrete]
     width = max(len(participant.instance.name) for participant in order)
@@ -54,8 +83,10 @@ def explain_timing(
         any_step = bool(participant.instance.fmu.capabilities["canHandleVariableCommunicationStepSize"])
         lines.append(f"  {name:{width}}  {_component(trace.components[name], trace.roles[name], step, any_step)}")
         if trace.roles[name] is Role.SAMPLED:
-            component = next(component for component in system.components if component.name == name)
-            lines.append(f"  {'':{width}}  {probe(component, step or period_of(component, output_interval))}")
+            number = [component.name for component in system.components].index(name)
+            component = system.components[number]
+            period = step or period_of(component, output_interval)
+            lines.append(f"  {'':{width}}  {probe(component, period, sites[number])}")
     for title, ends in (("Connections", _connections(system)), ("Channels", _channels(system))):
         if ends:
             lines += ["", f"{title}:"]
@@ -64,27 +95,25 @@ def explain_timing(
     return "\n".join(lines) + "\n"
 
 
-def _traced(
-    system: System, trace: Trace, stop: float, output_interval: float, tolerance: float, step: float | None
-) -> Plan:
+def _traced(job: Job, trace: Trace, record: Record, sites: Sequence[Site]) -> Plan:
     """Run the loop until the trace has seen enough; return the plan that it ran over."""
+    system, step = job.system, job.step
     parameters = {component.name: parameters_of(component) for component in system.components}
     trace.roles = roles_of(system)
     trace.components = {name: Component() for name in trace.roles}
     roles = trace.roles if step is None else dict.fromkeys(trace.roles, Role.CONTINUOUS)
     with ExitStack() as stack:
         instances = {}
-        for component in system.components:
-            instance = instantiate(component.name, component.fmu, roles[component.name] is Role.EVENT)
+        for component, site in zip(system.components, sites, strict=True):
+            instance = instantiate(component.name, component.fmu, roles[component.name] is Role.EVENT, site)
             stack.callback(instance.free)
             instances[component.name] = instance
-        plan = make_plan(system, roles, instances, output_interval, partial(TracedParticipant, trace=trace))
-        record = Record.empty(stop, output_interval, plan.recorded, "python")
+        plan = make_plan(system, roles, instances, job.output_interval, partial(TracedParticipant, trace=trace))
         trace.begin(plan, {channel.target: channel.times for channel in system.channels})
         try:
             for name, instance in instances.items():
                 instance.set_values(parameters[name])
-            initialize(plan, tolerance, stop)
+            initialize(plan, job.tolerance, job.stop)
             with suppress(Enough):
                 if step is not None:
                     run_jacobi(plan, record, step, None)

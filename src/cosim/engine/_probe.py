@@ -9,6 +9,7 @@ from __future__ import annotations
 from contextlib import ExitStack
 from dataclasses import dataclass
 
+from cosim.engine._calls import Site
 from cosim.engine._instance import CallError, Instance, instantiate
 from cosim.engine._parameters import parameters_of
 from cosim.engine._system import Component
@@ -51,7 +52,7 @@ class Answer:
         return f"probed: it computes at the start of its steps; {delay}"
 
 
-def probe(component: Component, period: float) -> str:
+def probe(component: Component, period: float, site: Site | None = None) -> str:
     """Return a sentence on the delay between inputs and outputs of a component, sampled every ``period`` [s]."""
     if component.fmu.capabilities["canBeInstantiatedOnlyOncePerProcess"]:
         return "not probed, since it can be used only once in a process"
@@ -59,7 +60,7 @@ def probe(component: Component, period: float) -> str:
     found: list[tuple[int, bool | None]] = []
     try:
         for beginning in _BEGINNINGS:
-            late = _first_difference(component, period, halves, beginning)
+            late = _first_difference(component, period, halves, beginning, site)
             if late is not None:
                 found.append((late // halves, late % halves == 1 if halves > 1 else None))
     except CallError as error:
@@ -68,13 +69,13 @@ def probe(component: Component, period: float) -> str:
     return answer.sentence(period)
 
 
-def _first_difference(component: Component, period: float, parts: int, beginning: int) -> int | None:
+def _first_difference(component: Component, period: float, parts: int, beginning: int, site: Site | None) -> int | None:
     """Return how many steps of ``period / parts`` after the one that sees changed inputs outputs differ, if they do."""
     outputs = [v.name for v in component.fmu.variables.values() if v.causality == "output" and v.type not in OPAQUE]
     with ExitStack() as stack:
         instances: list[Instance] = []
         for kind in ("undisturbed", "disturbed"):
-            instance = instantiate(f"{component.name} ({kind})", component.fmu, False)
+            instance = instantiate(f"{component.name} ({kind})", component.fmu, False, site)
             stack.callback(instance.free)
             instance.set_values(parameters_of(component))
             instance.enter_initialization(_TOLERANCE, None)

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_steps, check_step
 from cosim.engine._calls import Site
 from cosim.engine._execution import Ending, Job, execute, instantiated, loop_name
-from cosim.engine._isolation import Isolate, Limits, is_isolated, run_isolated
+from cosim.engine._isolation import Isolate, is_isolated, run_isolated
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Layout, lay_out
 from cosim.engine._record import Record
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
+from cosim.engine._supervisor import Limits
 from cosim.engine._system import System
 
 
