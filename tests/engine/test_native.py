@@ -115,9 +115,9 @@ def test_the_c_compiles_without_warnings(tmp_path: Path) -> None:
     if gcc is None:
         pytest.skip("gcc is not installed")
     warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wstrict-prototypes", "-Werror"]
-    source = str(_compilation.SOURCES / "engine.c")
+    sources = map(str, _compilation.units())
     done = subprocess.run(
-        [gcc, *_compilation.FLAGS, *warnings, "-o", str(tmp_path / "x.so"), source, "-lm"],
+        [gcc, *_compilation.FLAGS, *warnings, "-o", str(tmp_path / "x.so"), *sources, "-lm"],
         check=False,
         capture_output=True,
         text=True,
@@ -222,9 +222,9 @@ def test_the_suite_is_clean_under_sanitizers(tmp_path: Path) -> None:
         pytest.skip("gcc with its address sanitizer is not installed")
     library = tmp_path / "wiper-cosim" / "engine" / _compilation.file_name(host_name())
     library.parent.mkdir(parents=True)
-    source = str(_compilation.SOURCES / "engine.c")
+    sources = map(str, _compilation.units())
     sanitize = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
-    subprocess.run([gcc, *_compilation.FLAGS, *sanitize, "-o", str(library), source, "-lm"], check=True)
+    subprocess.run([gcc, *_compilation.FLAGS, *sanitize, "-o", str(library), *sources, "-lm"], check=True)
     environment = {
         **os.environ,
         "LD_PRELOAD": asan,

@@ -39,10 +39,15 @@ def file_name(platform: str) -> str:
     return f"engine-{platform}-{digest.hexdigest()[:16]}{suffix}"
 
 
+def units() -> list[Path]:
+    """Return the files that are compiled; the others are included by them."""
+    return [SOURCES.resolve() / name for name in ("engine.c", "watched.c")]
+
+
 def compile_library(compiler: Sequence[str], output: Path) -> str:
     """Compile with this command; return what the compiler says if it fails, an empty text if it does not."""
     libraries = [] if output.suffix == ".dll" else ["-lm"]
     # in the folder of the output, since a library for macOS holds its own name as it was given
-    command = [*compiler, *FLAGS, "-o", output.name, str(SOURCES.resolve() / "engine.c"), *libraries]
+    command = [*compiler, *FLAGS, "-o", output.name, *map(str, units()), *libraries]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=output.parent)
     return (done.stderr.strip() or f"exit code {done.returncode}") if done.returncode else ""

@@ -93,8 +93,9 @@ def _built(path: Path) -> Path:
 
 def _opened(path: Path) -> ctypes.CDLL:
     library = ctypes.CDLL(str(path))
-    library.cosim_run.argtypes = [POINTER(Engine), c_double]
-    library.cosim_run.restype = c_int
+    for run in (library.cosim_run, library.cosim_run_watched):
+        run.argtypes = [POINTER(Engine), c_double]
+        run.restype = c_int
     library.cosim_set_text.argtypes = [POINTER(Engine), c_int64, c_char_p, c_size_t]
     library.cosim_set_text.restype = c_bool
     library.cosim_free_texts.argtypes = [POINTER(Engine)]

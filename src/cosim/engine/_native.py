@@ -39,6 +39,8 @@ def run_native(
     """Do what ``run`` does, or ``run_jacobi`` if there is a ``step`` [s], with the same numbers, bit for bit."""
     tables = Tables(plan, record, step)
     engine = tables.engine
+    watched = any(participant.instance.site.watched for participant in (*plan.discrete, *plan.continuous))
+    go_on = library.cosim_run_watched if watched else library.cosim_run
     limit = 0.0 if progress is not None else _PIECE
     outcome = _UNFINISHED
     try:
@@ -46,7 +48,7 @@ def run_native(
             library.cosim_set_text(byref(engine), slot, text, len(text))
         with DeferredInterrupt() as interrupt:
             while outcome == _UNFINISHED:
-                outcome = library.cosim_run(byref(engine), limit)
+                outcome = go_on(byref(engine), limit)
                 interrupt.check()
                 if progress is not None and outcome == _UNFINISHED:
                     progress(engine.at.now)

@@ -16,7 +16,7 @@ RARE bool refused(Engine *engine, const Component *component, const Group *group
 OFTEN bool call(Engine *engine, const Component *component, const Group *group, const Extent *extent) {
     const size_t n = (size_t)extent->references, n_values = (size_t)extent->values;
     void *const instance = component->instance;
-    engine->at.call = group->call;
+    if (WATCHED) engine->at.call = group->call;
     const ValueReference *const references = group->references;
     const Status status =
         component->fmi < 3 ? ((Access2)group->access)(instance, references, n, group->memory)

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * The engine is one translation unit, so that the compiler sees through all calls of its inner loop but those of the
- * FMUs; this file is what is compiled.
+ * FMUs; this file is what is compiled, and once more in watched.c.
  */
+#ifndef WATCHED
+#define WATCHED 0
+#endif
 #define _XOPEN_SOURCE 700
 #include "engine.h"
 
@@ -15,7 +18,7 @@ RARE bool fail(Engine *engine, const Component *component, FailureKind kind) {
 
 /* The FMU may take the process down in any call: whoever looks after it finds out in which. */
 OFTEN void enter(Engine *engine, const Component *component, CalledFunction function) {
-    engine->at.call = (Call){component->number, (int32_t)function};
+    if (WATCHED) engine->at.call = (Call){component->number, (int32_t)function};
 }
 
 #include "texts.c"
@@ -24,4 +27,6 @@ OFTEN void enter(Engine *engine, const Component *component, CalledFunction func
 #include "channels.c"
 #include "record.c"
 #include "loop.c"
+#if !WATCHED
 #include "faults.c"
+#endif

@@ -150,7 +150,7 @@ typedef struct {
     int64_t row;         /* recorded so far */
     int64_t exchanges;
     int64_t calls;       /* of functions of FMUs, so far, outside of this loop */
-    Call call;           /* the last one; written in one piece, since it is every time */
+    Call call;           /* the last one, also of this loop, if it is watched; written in one piece */
 } Position;
 
 typedef struct {

@@ -119,6 +119,9 @@ static bool start(Engine *engine) {
 }
 
 /* A step of 0 asks for the default algorithm. */
+#if WATCHED
+#define cosim_run cosim_run_watched
+#endif
 EXPORT int cosim_run(Engine *engine, double limit) {
     const double begun = wall_clock();
     const bool jacobi = engine->step > 0.0;
@@ -140,6 +143,7 @@ EXPORT int cosim_run(Engine *engine, double limit) {
     }
 }
 
+#if !WATCHED
 /* Sizes of the structures, so that whoever fills them in can check that he means the same. */
 EXPORT void cosim_sizes(int64_t sizes[9]) {
     sizes[0] = sizeof(Wire);
@@ -152,3 +156,4 @@ EXPORT void cosim_sizes(int64_t sizes[9]) {
     sizes[7] = sizeof(Engine);
     sizes[8] = sizeof(Fault);
 }
+#endif
