@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from typer.testing import Result
 from cosim import engine
 from cosim.cli import _run
 from cosim.engine import SimulationInterrupted
-from cosim.errors import BuildError, InputError, SimulationError
+from cosim.errors import BuildError, FmuWarning, InputError, SimulationError
 
 Cosim = Callable[..., Result]
 LINE = "x: 1 s in 0.25 s, 4 times real time; 3 exchanges; 40 solver steps; 0 events; results in {}\n"
@@ -241,3 +243,20 @@ def test_explaining_the_timing_of_a_wrong_scenario(cosim: Cosim, tmp_path: Path)
     done = cosim("run", wrong, "--explain-timing")
     assert done.exit_code == 2
     assert "wrong.csv" in done.stderr
+
+
+def test_what_is_wrong_with_an_fmu_without_harm_is_told(
+    cosim: Cosim, scenario: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = "x.fmu: modelDescription.xml has a byte order mark"
+
+    assemble = _run.assemble
+
+    def warned(*arguments: Any) -> engine.System:
+        warnings.warn(text, FmuWarning, stacklevel=2)
+        return assemble(*arguments)
+
+    monkeypatch.setattr(_run, "assemble", warned)
+    done = cosim("run", scenario.name, "--no-plots")
+    assert (done.exit_code, done.stderr) == (0, f"note: {text}\n")
+    assert json.loads(cosim("run", scenario.name, "--no-plots", "--json").stdout)["runs"][0]["notes"] == [text]

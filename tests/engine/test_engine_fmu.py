@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import hashlib
+import re
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,7 @@ from fmpy.validation import validate_fmu
 from test_engine_errors import repack, replacing
 
 from cosim.engine import Component, Connection, Fmu, Role, System, Variable, role_of, simulate
+from cosim.errors import FmuWarning
 
 Get = Callable[..., Fmu]
 
@@ -144,3 +146,19 @@ def test_twenty_five_thousand_instants_take_well_below_a_second(fmu: Get) -> Non
     results = [simulate(system, stop=25.0, output_interval=0.001, tolerance=1e-6) for _ in range(3)]
     assert results[0].statistics["exchanges"] == 25001
     assert min(float(str(result.statistics["wall_s"])) for result in results) < 0.75
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_what_breaks_the_schema_without_harm_is_read_with_a_warning(
+    fmu_path: Callable[[str, int], Path], tmp_path: Path, version: int
+) -> None:
+    path = repack(
+        fmu_path("sampler", version), tmp_path / "x.fmu", replacing('start="0.02"', 'start="0,02" vendor="x"')
+    )
+    with pytest.warns(FmuWarning) as told, Fmu.read(path) as opened:
+        assert opened.variables["T_compute"].start == 0.02
+    first, second = (str(warning.message).removeprefix(f"{path}: ") for warning in told)
+    assert re.fullmatch(
+        r"a start value is not written as the schema demands: T_compute \(line \d\) = '0,02', read as 0.02", first
+    )
+    assert second.startswith("modelDescription.xml breaks the schema of FMI in one place, line ")

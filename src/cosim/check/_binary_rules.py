@@ -67,7 +67,16 @@ def functions_for(fmi: int, interfaces: set[str]) -> list[str]:
 
 
 def _system(folder: str) -> str:
-    return folder.rstrip("0123456789") if folder in _FMI2_FOLDERS else folder.rpartition("-")[2]
+    return folder.rpartition("-")[2] if "-" in folder else folder.rstrip("0123456789")
+
+
+def _suffix(folder: str) -> str:
+    return _SUFFIXES.get(_system(folder), ".so")
+
+
+def _has(files: list[str], file: str) -> bool:
+    """Tell whether a file is there; Windows makes no difference between capital and small letters."""
+    return file in files or (file.endswith(".dll") and file.lower() in [name.lower() for name in files])
 
 
 def _libraries(subject: Subject) -> Iterator[tuple[str, str, set[str]]]:
@@ -77,7 +86,7 @@ def _libraries(subject: Subject) -> Iterator[tuple[str, str, set[str]]]:
         needed.setdefault(interface.modelIdentifier, set()).add(name)
     for folder, files in subject.folders.items():
         for identifier, names in needed.items():
-            file = f"{identifier}{_SUFFIXES.get(_system(folder), '.so')}"
+            file = f"{identifier}{_suffix(folder)}"
             if file in files:
                 yield folder, file, names
 
@@ -108,10 +117,10 @@ def none(subject: Subject) -> Iterator[Found]:
 @BINARY_RULES("binary.missing", Severity.ERROR)
 def missing(subject: Subject) -> Iterator[Found]:
     """In each platform's folder there is the library of each modelIdentifier, with the ending of that platform."""
-    for folder in subject.folders:
+    for folder, files in subject.folders.items():
         for identifier in {interface.modelIdentifier for interface in subject.interfaces.values()}:
-            file = f"{identifier}{_SUFFIXES.get(_system(folder), '.so')}"
-            if f"binaries/{folder}/{file}" not in subject.archive:
+            file = f"{identifier}{_suffix(folder)}"
+            if not _has(files, file):
                 yield Found(f"{file} is missing", f"binaries/{folder}", _EXPORT)
 
 
@@ -139,7 +148,7 @@ def binary_format(subject: Subject) -> Iterator[Found]:
             yield Found("is no library of a known format", where, _EXPORT)
             continue
         found = str(parsed.format).rpartition(".")[2].upper()
-        expected = _FORMATS[_SUFFIXES.get(_system(folder), ".so")].upper()
+        expected = _FORMATS[_suffix(folder)].upper()
         if found != expected:
             yield Found(f"is a file of format {found}, but {expected} is expected", where, _EXPORT)
             continue

@@ -67,23 +67,28 @@ def reference_range(subject: Subject) -> Iterator[Found]:
 
 @DESCRIPTION_RULES("references.duplicate", Severity.ERROR)
 def duplicate(subject: Subject) -> Iterator[Found]:
-    """FMI 2.0 variables with one type and value reference are aliases: they have one start value and one unit."""
-    if subject.fmi != 2:
-        return
+    """FMI 2.0 variables with one type and value reference are aliases, so they have one start value."""
+    yield from _aliases_that_differ(subject, "start")
+
+
+@DESCRIPTION_RULES("references.unit", Severity.WARNING)
+def alias_unit(subject: Subject) -> Iterator[Found]:
+    """FMI 2.0 variables with one type and value reference are aliases, so they have one unit."""
+    yield from _aliases_that_differ(subject, "unit")
+
+
+def _aliases_that_differ(subject: Subject, attribute: str) -> Iterator[Found]:
     first: dict[tuple[str, int], Any] = {}
-    for variable in subject.variables:
+    for variable in subject.variables if subject.fmi == 2 else ():
+        mine = getattr(variable, attribute)
+        if mine is None:
+            continue
         key = (_FMI2_KINDS.get(variable.type, variable.type), variable.valueReference)
         other = first.setdefault(key, variable)
-        if other is variable:
-            continue
-        for what in ("start", "unit"):
-            mine, others = getattr(variable, what), getattr(other, what)
-            if mine is not None and others is not None and mine != others:
-                yield Found(
-                    f"has the value reference of {other.name}, but the {what} {mine}, not {others}",
-                    place(variable),
-                    "give it a value reference of its own",
-                )
+        others = getattr(other, attribute)
+        if mine != others:
+            what = f"has the value reference of {other.name}, but the {attribute} {mine}, not {others}"
+            yield Found(what, place(variable), "give it a value reference of its own")
 
 
 def _number(text: str | None) -> float | None:
