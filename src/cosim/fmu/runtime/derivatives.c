@@ -113,7 +113,7 @@ static double *known(Simulation *m, const char *function, unsigned reference, Kn
             if (variable->settable != SET_NEVER) return &knowns->p[variable->index];
             break;
         case STORE_UNKNOWN:
-            if (variable->index < MODEL_NX && !initial) return &knowns->v[variable->index];
+            if ((int)variable->index < MODEL_NX && !initial) return &knowns->v[variable->index];
             break;
         default: break;
         }

@@ -138,7 +138,8 @@ int exchange_complete_step(Simulation *m, const char *function)
     if (!within_stop(m, function)) return STATUS_ERROR;
     if (!settle_here(m)) return instance_failed(m);
     s->counters[COUNTER_STEPS]++;
-    s->watched.completed[1] = s->watched.completed[0];
+    /* An importer may go back and complete a shorter step. */
+    s->watched.completed[1] = fmin(s->watched.completed[0], s->t);
     s->watched.completed[0] = s->t;
     if (!simulation_check_selection(m) || !simulation_check_assertions(m)) return instance_failed(m);
     return STATUS_OK;
