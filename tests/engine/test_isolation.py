@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -447,6 +448,28 @@ def test_a_worker_does_not_outlive_the_process_that_wanted_it(fmu_path: Callable
     while any(Path(f"/proc/{pid}").exists() for pid in started) and time.perf_counter() < deadline:
         time.sleep(0.02)
     assert [pid for pid in started if Path(f"/proc/{pid}").exists()] == []
+
+
+def test_workers_of_several_threads_do_not_disturb_each_other(fmu: Get) -> None:
+    def final(gain: float) -> float:
+        system = feedback(fmu, T_compute=0.001, K=gain)
+        result = simulate(system, stop=1.0, output_interval=0.01, tolerance=1e-6, isolate="always")
+        return float(result.columns["plant.x"][-1])
+
+    gains = [-0.1 * k for k in range(1, 17)]
+    with ThreadPoolExecutor(8) as pool:
+        finals = list(pool.map(final, gains))
+    np.testing.assert_allclose(finals, [(1.0 + 0.001 * gain) ** 1000 for gain in gains], rtol=1e-9)
+
+
+def test_without_an_interpreter_there_is_no_worker(fmu: Get, monkeypatch: pytest.MonkeyPatch) -> None:
+    dismiss()
+    monkeypatch.setattr(sys, "executable", "")
+    with pytest.raises(InputError) as caught:
+        run(fmu("crash"), "")
+    assert str(caught.value) == (
+        'there is no Python program to run a worker with; set isolate="never" (--isolate never)'
+    )
 
 
 def test_a_new_nursery_takes_the_place_of_one_that_died(fmu: Get) -> None:

@@ -10,6 +10,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from pathlib import Path
 from typing import NoReturn
 
 from cosim.worker._memory import limit_memory
@@ -38,7 +39,8 @@ def work(reference: str, jobs: int, answers: int) -> NoReturn:
         environment, folder, request = pickle.loads(request)
         os.environ.clear()
         os.environ.update(environment)
-        os.chdir(folder)
+        if folder:
+            os.chdir(folder)
         function, size, most_memory, arguments = pickle.loads(request)
         limit_memory(most_memory)
         function(attach(reference, size), answer, *arguments)
@@ -51,6 +53,14 @@ def work(reference: str, jobs: int, answers: int) -> NoReturn:
 
 Answer = Callable[[object], None]
 """Hands an answer to the parent; the first one counts. An exception is raised there."""
+
+
+def working_folder() -> str:
+    """Return the folder that this process works in; an empty text if it has been removed."""
+    try:
+        return str(Path.cwd())
+    except OSError:
+        return ""
 
 
 def quiet_channels(null: int) -> None:

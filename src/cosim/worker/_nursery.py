@@ -21,10 +21,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from cosim.worker._child import quiet_channels, work
+from cosim.errors import InputError
+from cosim.worker._child import quiet_channels, work, working_folder
 
 _PACKAGES = str(Path(__file__).parents[2])
-_BOOT = "import sys; sys.path[:] = {path!r}; from cosim.worker._nursery import main; main({channel}, {preload!r})"
+_BOOT = "import sys; sys.path[:] = {{path}}; from cosim.worker._nursery import main; main({channel}, {preload!r})"
 _SINGLE_THREADED = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 BORN = struct.Struct("=q")
@@ -34,9 +35,15 @@ ENDED = struct.Struct("=qd")
 """What is told last: the worker's exit code, or minus the signal, and the most memory that it had [bytes]."""
 
 
-def boot_path() -> list[str]:
-    """Return where a new interpreter finds the modules that this one has."""
-    return [_PACKAGES, *(entry or str(Path.cwd()) for entry in sys.path if isinstance(entry, str))]
+def interpreter(boot: str) -> list[str]:
+    """Return the command that starts this interpreter anew, free of its surroundings; ``{path}`` is its path.
+
+    Raises InputError if there is no such command, as where Python is part of another program.
+    """
+    if not sys.executable:
+        raise InputError('there is no Python program to run a worker with; set isolate="never" (--isolate never)')
+    path = [_PACKAGES, *(entry or working_folder() for entry in sys.path if isinstance(entry, str))]
+    return [sys.executable, "-I", "-c", boot.replace("{path}", repr(path))]
 
 
 class Nursery:
@@ -46,10 +53,10 @@ class Nursery:
         """Start it; it is ready to be asked while it is still loading this module and all that it needs."""
         self._owner = os.getpid()
         self._channel, other = socket.socketpair()
-        boot = _BOOT.format(path=boot_path(), channel=other.fileno(), preload=preload)
+        boot = _BOOT.format(channel=other.fileno(), preload=preload)
         with other:
             self._process = subprocess.Popen(
-                [sys.executable, "-I", "-c", boot],
+                interpreter(boot),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 pass_fds=(other.fileno(),),

@@ -8,11 +8,11 @@ import pickle
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self
 
 from cosim.worker import _nursery
+from cosim.worker._child import working_folder
 from cosim.worker._death import Death
 from cosim.worker._shared import Shared
 
@@ -71,7 +71,7 @@ class Worker:
         The process may have ``most_memory`` [bytes], where that can be limited; it ends when the function returns.
         """
         job = pickle.dumps((function, self._size, most_memory, arguments))
-        self._transport.send(pickle.dumps((dict(os.environ), str(Path.cwd()), job)))
+        self._transport.send(pickle.dumps((dict(os.environ), working_folder(), job)))
 
     def wait(self, seconds: float) -> bool:
         """Wait for a change, at most so long; tell whether the process has ended."""

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, NoReturn
 from cosim.worker._child import quiet_channels, work
 from cosim.worker._death import Death
 from cosim.worker._messages import Message, send
-from cosim.worker._nursery import boot_path
+from cosim.worker._nursery import interpreter
 from cosim.worker._shared import Shared
 
 if TYPE_CHECKING:
     from cosim.worker._process import Transport
 
-_BOOT = "import sys; sys.path[:] = {path!r}; from cosim.worker._spawned import main; main({reference!r}, {preload!r})"
+_BOOT = "import sys; sys.path[:] = {{path}}; from cosim.worker._spawned import main; main({reference!r}, {preload!r})"
 _NO_ERROR_BOXES = 0x1 | 0x2 | 0x8000
 
 
@@ -30,9 +30,9 @@ class Spawned:
         """Start it."""
         self._message = Message()
         self._changed = threading.Event()
-        boot = _BOOT.format(path=boot_path(), reference=shared.reference, preload=preload)
+        boot = _BOOT.format(reference=shared.reference, preload=preload)
         self._process = subprocess.Popen(
-            [sys.executable, "-I", "-c", boot],
+            interpreter(boot),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             bufsize=0,
