@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Model
 from importer import Importer
 
 from cosim.fmu import export
@@ -154,6 +156,37 @@ def test_derivatives_are_those_of_the_linearized_model(build: Build) -> None:
         scale = np.abs(system.C).max(axis=1, keepdims=True) + 1e-9
         assert found / scale == pytest.approx(system.C / scale, abs=1e-6)
         assert importer.directional(outputs, inputs) == pytest.approx(system.D, rel=1e-6, abs=1e-9)
+        # the state derivatives and states of Model Exchange, by the value references that ModelStructure gives them
+        rates = [u.variable for u in importer.description.derivatives]
+        names, known = [v.name for v in rates], [v.derivative.name for v in rates]
+        A, B = importer.directional(names, known), importer.directional(names, inputs)
+        scale = np.abs(system.A).max(axis=1, keepdims=True)
+        assert A / scale == pytest.approx(system.A / scale, abs=1e-6)
+        assert pytest.approx(system.B, rel=1e-6, abs=1e-9) == B
+        assert importer.adjoint(names, known) == pytest.approx(A, rel=1e-9, abs=1e-9)
+
+
+def test_in_model_exchange_they_are_those_of_what_is_read_after_setting_the_states(valve: Path) -> None:
+    read = fmpy.read_model_description(str(valve))
+    folder = fmpy.extract(str(valve))
+    fmu = FMU3Model(guid=read.guid, unzipDirectory=folder, modelIdentifier="Valve", instanceName="i")
+    fmu.instantiate()
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    fmu.enterContinuousTimeMode()
+    fmu.setTime(0.05)
+    states = [u.variable.derivative.valueReference for u in read.derivatives]
+    unknowns = [u.variable.valueReference for u in [*read.derivatives, *read.outputs] if u.variable.type == "Float64"]
+    value = fmu.getFloat64(states)[0]
+    found = fmu.getDirectionalDerivative(unknowns, states, [1.0])
+    values = []
+    for sign in (1, -1):
+        fmu.setContinuousStates((ctypes.c_double * 1)(value + sign * 1e-5), 1)
+        values.append(np.array(fmu.getFloat64(unknowns)))
+    fmu.freeInstance()
+    shutil.rmtree(folder, ignore_errors=True)
+    assert found == pytest.approx((values[0] - values[1]) / 2e-5, rel=1e-7, abs=1e-9)
+    assert np.count_nonzero(found) >= 4
 
 
 def test_outputs_change_in_time_as_their_derivatives_say(valve: Path) -> None:

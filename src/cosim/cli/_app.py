@@ -185,6 +185,10 @@ def export(
     explain: Annotated[bool, typer.Option("--explain", help="Also print how the equations were solved for.")] = False,
     platform: Platform = "host",
     fmi: Fmi = "3.0",
+    fixed_step: Annotated[
+        str | None,
+        typer.Option("--fixed-step", metavar="TIME", help="Take steps of this length, for hardware in the loop."),
+    ] = None,
     sources: Sources = True,
     strict_units: StrictUnits = False,
     quiet: Quiet = False,
@@ -193,7 +197,7 @@ def export(
     """Compile a Modelica model into an FMU."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
-        from cosim.cli._builtin import check_target, export_model
+        from cosim.cli._builtin import check_target, export_model, step_of
 
         choice = check_target(platform, fmi)
         with warned(screen) as found, screen.working(f"compiling {model}"):
@@ -206,6 +210,7 @@ def export(
                 strict_units=strict_units,
                 explain=explain,
                 with_sources=sources,
+                fixed_step=step_of(fixed_step),
             )
         document: dict[str, object] = {"fmu": str(paths[0]), "fmus": [str(path) for path in paths]}
         screen.document(document | {"explanation": text, "warnings": found})

@@ -71,6 +71,7 @@ def export_model(
     strict_units: bool = False,
     explain: bool = False,
     with_sources: bool = True,
+    fixed_step: float | None = None,
 ) -> tuple[list[Path], str | None]:
     """Compile a Modelica model into an FMU, or one of each FMI version, in the folder ``out``; return the paths.
 
@@ -80,12 +81,29 @@ def export_model(
 
     check_there(file)
     dae = compile_model(file, model, strict_units=strict_units)
-    paths: list[Path] = pack_all(dae, out, fmi=fmi, platforms=platforms, with_sources=with_sources)
+    paths: list[Path] = pack_all(
+        dae, out, fmi=fmi, platforms=platforms, with_sources=with_sources, fixed_step=fixed_step
+    )
     if not explain:
         return paths, None
     from cosim.dae import explain as explanation
 
     return paths, explanation(dae)
+
+
+def step_of(text: str | None) -> float | None:
+    """The length [s] that ``--fixed-step`` gives, such as "1 ms"; `InputError` for anything but a positive time."""
+    if text is None:
+        return None
+    from cosim.units import compatible, convert, parse, quantity
+
+    number, unit = quantity(text)
+    if not compatible(unit, parse("s")):
+        raise InputError(f"--fixed-step {text}: write a time, such as 1ms")
+    seconds = convert(number, unit, parse("s"))
+    if not 1e-6 <= seconds < float("inf"):
+        raise InputError(f"--fixed-step {text}: a step is at least 1 us long")
+    return seconds
 
 
 def check_there(path: Path) -> None:

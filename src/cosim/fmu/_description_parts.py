@@ -68,9 +68,11 @@ def add_log_categories(root: ET.Element) -> None:
         ET.SubElement(categories, "Category", name=name, description=description)
 
 
-def add_experiment(root: ET.Element) -> None:
-    """Add the default experiment."""
-    ET.SubElement(root, "DefaultExperiment", startTime="0", tolerance="1e-06")
+def add_experiment(root: ET.Element, fixed_step: float | None) -> None:
+    """Add the default experiment; with a fixed step [s], that is the step size to take."""
+    experiment = ET.SubElement(root, "DefaultExperiment", startTime="0", tolerance="1e-06")
+    if fixed_step is not None:
+        experiment.set("stepSize", repr(fixed_step))
 
 
 def initial_unknowns(layout: Layout) -> list[int]:

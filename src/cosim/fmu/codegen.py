@@ -28,16 +28,17 @@ _DISCRETE = (*_CONTINUOUS, "pre", "fired", "initial", "d_new", "kept")
 _UNUSED = "    (void)t, (void)v, (void)u, (void)p, (void)d, (void)c;"
 
 
-def generate(dae: Dae, layout: Layout, token: str) -> dict[str, str]:
+def generate(dae: Dae, layout: Layout, token: str, fixed_step: float | None = None) -> dict[str, str]:
     """The generated files by name.
 
     Args:
         dae: the model.
         layout: where its variables live.
         token: the FMU's instantiation token.
+        fixed_step: the length of all steps [s], ``None`` for error control.
     """
     generator = _Generator(dae, layout)
-    return {"model_sizes.h": generator.sizes(token), "model.c": generator.model()}
+    return {"model_sizes.h": generator.sizes(token, fixed_step), "model.c": generator.model()}
 
 
 class _Generator:
@@ -80,7 +81,7 @@ class _Generator:
             "kept": _column([SX.sym(f"kept({discretes[k]})") for k in self._keeping.place]),
         }
 
-    def sizes(self, token: str) -> str:
+    def sizes(self, token: str, fixed_step: float | None) -> str:
         dae, layout = self._dae, self._layout
         values = {
             "NX": len(dae.states), "NZ": len(dae.torn), "NU": len(dae.inputs), "NP": len(dae.parameters),
@@ -96,6 +97,7 @@ class _Generator:
         values["HAS_SWEEP"] = int(self._swept is not None)
         lines = [f"/* Sizes of {dae.name}. */", "#ifndef COSIM_MODEL_SIZES_H", "#define COSIM_MODEL_SIZES_H", ""]
         lines += [f"#define MODEL_{name} {value}" for name, value in values.items()]
+        lines += ["#define MODEL_HAS_FIXED_STEP 1", f"#define MODEL_FIXED_STEP {fixed_step!r}"] if fixed_step else []
         lines += [f"#define MODEL_NAME {string(dae.name)}", f"#define MODEL_TOKEN {string(token)}", "", "#endif", ""]
         return "\n".join(lines)
 

@@ -117,13 +117,14 @@ class Dependencies:
 
 
 def _references(layout: Layout) -> dict[tuple[str, int], int]:
-    """The variable by which a place is known: of several that are equal, the input or parameter, else the first."""
+    """The variable by which a place is known: of several equal ones the input, parameter or state, or else the first."""
     found: dict[tuple[str, int], int] = {}
     for reference, slot in enumerate(layout.slots):
         place = slot.store, slot.index
         if place not in found or slot.causality in ("input", "parameter"):
             found[place] = reference
-    return found
+    states = (slot.derivative_of for slot in layout.slots if slot.derivative_of is not None)
+    return found | {(layout.slots[reference].store, layout.slots[reference].index): reference for reference in states}
 
 
 class _Between:

@@ -19,7 +19,7 @@ _ELEMENTS = {
 }
 
 
-def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
+def describe(dae: Dae, layout: Layout, identifier: str, token: str, fixed_step: float | None = None) -> bytes:
     """The XML document.
 
     Args:
@@ -27,6 +27,7 @@ def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         layout: its variables; value references are positions.
         identifier: the name of the binary.
         token: the instantiation token.
+        fixed_step: the length of the solver's steps [s], ``None`` for error control.
 
     Raises:
         InputError: a variable's unit is not one.
@@ -42,7 +43,7 @@ def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         providesDirectionalDerivatives="true",
         providesAdjointDerivatives="true",
     )
-    ET.SubElement(
+    simulation = ET.SubElement(
         root,
         "CoSimulation",
         modelIdentifier=identifier,
@@ -54,11 +55,13 @@ def describe(dae: Dae, layout: Layout, identifier: str, token: str) -> bytes:
         providesDirectionalDerivatives="true",
         providesAdjointDerivatives="true",
     )
+    if fixed_step is not None:
+        simulation.set("fixedInternalStepSize", repr(fixed_step))
     parts.add_units(root, layout)
     types = parts.enumerations(layout)
     _types(root, types)
     parts.add_log_categories(root)
-    parts.add_experiment(root)
+    parts.add_experiment(root, fixed_step)
     variables = ET.SubElement(root, "ModelVariables")
     names = {literals: name for name, literals in types.items()}
     for reference, slot in enumerate(layout.slots):

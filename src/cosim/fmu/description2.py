@@ -19,7 +19,14 @@ _ELEMENTS = {
 }
 
 
-def describe2(dae: Dae, layout: Layout, identifier: str, token: str, sources: Sequence[str] = ()) -> bytes:
+def describe2(
+    dae: Dae,
+    layout: Layout,
+    identifier: str,
+    token: str,
+    sources: Sequence[str] = (),
+    fixed_step: float | None = None,
+) -> bytes:
     """The XML document.
 
     Args:
@@ -28,13 +35,14 @@ def describe2(dae: Dae, layout: Layout, identifier: str, token: str, sources: Se
         identifier: the name of the binary.
         token: the GUID.
         sources: names of the C files to compile, if the FMU has its sources.
+        fixed_step: the length of the solver's steps [s], ``None`` for error control.
 
     Raises:
         InputError: a variable's unit is not one.
     """
     root = parts.root_element(dae, identifier, "2.0", guid=token)
     root.set("numberOfEventIndicators", str(len(layout.indicators)))
-    ET.SubElement(
+    exchange = ET.SubElement(
         root,
         "ModelExchange",
         modelIdentifier=identifier,
@@ -54,15 +62,15 @@ def describe2(dae: Dae, layout: Layout, identifier: str, token: str, sources: Se
         maxOutputDerivativeOrder="1",
         providesDirectionalDerivative="true",
     )
-    if sources:
-        files = ET.SubElement(simulation, "SourceFiles")
+    for interface in (exchange, simulation) if sources else ():
+        files = ET.SubElement(interface, "SourceFiles")
         for name in sources:
             ET.SubElement(files, "File", name=name)
     parts.add_units(root, layout)
     types = parts.enumerations(layout)
     _types(root, types)
     parts.add_log_categories(root)
-    parts.add_experiment(root)
+    parts.add_experiment(root, fixed_step)
     variables = ET.SubElement(root, "ModelVariables")
     names = {literals: name for name, literals in types.items()}
     for reference, slot in enumerate(layout.slots):

@@ -58,11 +58,13 @@ def export(
     build_hash: str | None = None,
     platforms: str = "host",
     with_sources: bool = True,
+    fixed_step: float | None = None,
 ) -> Path:
     """Compile one class of a Modelica file or package to an FMU in the folder ``out``.
 
     ``platforms`` is "host", "all", or names separated by commas, as :func:`cosim.fmu.toolchain.chosen` takes them.
-    The C from which the binaries are built goes along, unless ``with_sources`` is false.
+    The C from which the binaries are built goes along, unless ``with_sources`` is false. With
+    ``fixed_step`` [s] the solver takes steps of this length, and the work in each is bounded; see docs/fixed_step.md.
 
     The FMI 3.0 file is ``<last part of the model's name>.fmu``, the FMI 2.0 one ends in ``.fmi2.fmu``. It is written
     beside its place and moved there, so that it is never seen half done.
@@ -71,8 +73,15 @@ def export(
         ModelError: the model is wrong or uses something unsupported.
         BuildError: there is no C compiler, or it failed.
     """
-    dae = compile_model(file, model)
-    return pack(dae, out, fmi=fmi, build_hash=build_hash, platforms=platforms, with_sources=with_sources)
+    return pack(
+        compile_model(file, model),
+        out,
+        fmi=fmi,
+        build_hash=build_hash,
+        platforms=platforms,
+        with_sources=with_sources,
+        fixed_step=fixed_step,
+    )
 
 
 def export_all(
@@ -99,10 +108,19 @@ def pack_all(
     build_hash: str | None = None,
     platforms: str = "host",
     with_sources: bool = True,
+    fixed_step: float | None = None,
 ) -> list[Path]:
     """Write a compiled model as an FMU of each chosen FMI version; see :func:`export`."""
     return [
-        pack(dae, out, fmi=version, build_hash=build_hash, platforms=platforms, with_sources=with_sources)
+        pack(
+            dae,
+            out,
+            fmi=version,
+            build_hash=build_hash,
+            platforms=platforms,
+            with_sources=with_sources,
+            fixed_step=fixed_step,
+        )
         for version in versions_of(fmi)
     ]
 
@@ -115,17 +133,18 @@ def pack(
     build_hash: str | None = None,
     platforms: str = "host",
     with_sources: bool = True,
+    fixed_step: float | None = None,
 ) -> Path:
     """Write a compiled model as an FMU for the platforms that :func:`toolchain.chosen` takes; see :func:`export`."""
     targets = chosen(platforms, fmi)
     identifier = re.sub(r"\W", "_", dae.name.rpartition(".")[2])
     layout = lay_out(dae)
-    generated = generate(dae, layout, _TOKEN)
+    generated = generate(dae, layout, _TOKEN, fixed_step)
     listed = compiled(source_files(generated, fmi)) if with_sources else []
     if fmi == "3.0":
-        description = describe(dae, layout, identifier, _TOKEN)
+        description = describe(dae, layout, identifier, _TOKEN, fixed_step)
     else:
-        description = describe2(dae, layout, identifier, _TOKEN, listed)
+        description = describe2(dae, layout, identifier, _TOKEN, listed, fixed_step)
     token = _token(generated, description)
     generated = {name: text.replace(_TOKEN, token) for name, text in generated.items()}
     description = description.replace(_TOKEN.encode(), token.encode())

@@ -33,6 +33,7 @@ void simulation_changed(Simulation *m, int parameters)
     m->have = 0;
 }
 
+#if !MODEL_HAS_FIXED_STEP
 static double smallest_step(const State *s)
 {
     return 1e-14 * fmax(1.0, fabs(s->t));
@@ -99,6 +100,8 @@ static int take_step(Simulation *m, double limit)
     }
 }
 
+#endif
+
 /* Without continuous unknowns there is nothing to integrate, but relations of time may still change. */
 static void take_empty_step(Simulation *m, double to)
 {
@@ -106,18 +109,26 @@ static void take_empty_step(Simulation *m, double to)
     m->rodas.step.h = to - m->s.t;
 }
 
+#if MODEL_HAS_FIXED_STEP
+#define TAKE_STEP simulation_take_fixed_step
+#define FIND_EVENT simulation_find_event_in_fixed_step
+#else
+#define TAKE_STEP take_step
+#define FIND_EVENT simulation_find_event
+#endif
+
 /* Take a step into the future and note up to where it holds. */
 static int look_ahead(Simulation *m, double to, double limit)
 {
     Ahead *ahead = &m->s.ahead;
     if (MODEL_NV == 0) {
         take_empty_step(m, limit = to);
-    } else if (!take_step(m, limit)) {
+    } else if (!TAKE_STEP(m, limit)) {
         return 0;
     }
     const RodasStep *step = &m->rodas.step;
     ahead->theta_end = 1.0;
-    ahead->ends_in_event = simulation_find_event(m, &ahead->theta_end);
+    ahead->ends_in_event = FIND_EVENT(m, &ahead->theta_end);
     /* The end of a step that was cut to reach the limit is the limit, whatever the sum says. */
     double end = step->h >= limit - step->t ? limit : step->t + step->h;
     ahead->end = ahead->theta_end < 1.0 ? fmin(step->t + ahead->theta_end * step->h, end) : end;
@@ -155,6 +166,7 @@ Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_e
     State *s = &m->s;
     Ahead *ahead = &s->ahead;
     if (s->event_due && !simulation_event(m, 0, NULL)) return ADVANCE_FAILED;
+    if (MODEL_HAS_FIXED_STEP) limit = to;
     keep_to_time_relations(s, &to, &limit);
     while (s->t < to) {
         if (s->terminate) return ADVANCE_TERMINATED;

@@ -34,6 +34,8 @@ static int solve_by_newton(Simulation *m, double t, double *v)
     AlgebraicSystem system = {m, t, v};
     double z[MODEL_ROOM(MODEL_NZ)];
     memcpy(z, v + MODEL_NX, MODEL_NZ * sizeof *z);
+    enum { FEW = 10 };
+    m->newton.most_iterations = MODEL_HAS_FIXED_STEP && m->s.initialised ? FEW : 0;
     NewtonOutcome outcome =
         newton_solve(&m->newton, MODEL_NZ, algebraic_system, &system, model_nominal + MODEL_NX, z);
     if (outcome != NEWTON_SOLVED) {

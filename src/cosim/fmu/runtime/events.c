@@ -10,6 +10,7 @@
 
 enum {
     MAX_PASSES = 100,       /* of an event iteration */
+    FEW_PASSES = 20,        /* once it runs, with a fixed step */
     SIMULTANEOUS_PASSES = 10 /* after so many, relations change one at a time: Murty's rule against cycling */
 };
 
@@ -33,6 +34,7 @@ static int solve_initial(Simulation *m)
 {
     Newton *w = &m->newton;
     double *v = m->s.v;
+    w->most_iterations = 0;
     NewtonOutcome outcome = newton_solve(w, MODEL_NV, initial_system, &m->s, model_nominal, v);
     if (outcome == NEWTON_SINGULAR) {
         /* Start values of zero are often a singular point, as for a linkage: stretched out. */
@@ -50,6 +52,11 @@ static int solve_initial(Simulation *m)
         return 1;
     }
     return simulation_blame_initial(m, outcome);
+}
+
+static int most_passes(const State *s)
+{
+    return MODEL_HAS_FIXED_STEP && s->initialised ? FEW_PASSES : MAX_PASSES;
 }
 
 /* Bring c up to date; returns how many relations changed. */
@@ -88,10 +95,10 @@ static int settle(Simulation *m, const double *pre, const double *fired, int ini
     double d_new[MODEL_ROOM(MODEL_ND)];
     unsigned char unsettled[MODEL_ROOM(MODEL_NG)] = {0};
     int outcome = 0;
-    for (int pass = 0; pass < MAX_PASSES; pass++) {
+    for (int pass = 0; pass < most_passes(s); pass++) {
         if (!(initial ? solve_initial(m) : simulation_solve_algebraic(m, s->t, s->v, NULL))) return 0;
         int changes = update_relations(m, pass >= SIMULTANEOUS_PASSES);
-        if (pass >= MAX_PASSES / 2)
+        if (pass >= most_passes(s) / 2)
             for (int k = 0; k < MODEL_NG; k++) unsettled[k] |= m->changing[k];
         memcpy(d_new, pre, MODEL_ND * sizeof *d_new);
         memcpy(x_new, s->v, MODEL_NX * sizeof *x_new);
@@ -133,7 +140,7 @@ static int iterate(Simulation *m, double *fired, int *discontinuous, int *reinit
 {
     State *s = &m->s;
     double pre[MODEL_ROOM(MODEL_ND)], x_new[MODEL_ROOM(MODEL_NX)];
-    for (int pass = 0; pass < MAX_PASSES; pass++) {
+    for (int pass = 0; pass < most_passes(s); pass++) {
         int again = 0;
         memcpy(pre, s->d, sizeof pre);
         if (!settle(m, pre, fired, 0, x_new)) return 0;

@@ -9,7 +9,7 @@
 #include "simulation.h"
 
 /* The whole step is looked at through these points; between them through the cubic that they define. */
-enum { SAMPLES = 4 };
+enum { SAMPLES = 4, NARROWINGS = MODEL_HAS_FIXED_STEP ? 12 : 200 };
 static const double SAMPLE_AT[SAMPLES] = {0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0};
 
 typedef struct {
@@ -87,7 +87,7 @@ static void narrow(Simulation *m, Sample *before, Sample *after)
     double weight_before = 1.0, weight_after = 1.0;
     int moved = 0; /* the end that moved last: -1 before, 1 after */
     double accuracy = fmax(1e-13, 8.0 * DBL_EPSILON * (fabs(r->t) + r->h)) / r->h;
-    for (int iteration = 0; iteration < 200 && after->theta - before->theta > accuracy; iteration++) {
+    for (int iteration = 0; iteration < NARROWINGS && after->theta - before->theta > accuracy; iteration++) {
         double fraction = 1.0;
         for (int k = 0; k < MODEL_NG; k++) {
             if (!simulation_changed_state(m, k, after->g[k])) continue;

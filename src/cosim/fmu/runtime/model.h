@@ -37,6 +37,11 @@
 #define MODEL_HAS_SWEEP 0
 #endif
 
+/* 1 if steps have the fixed length MODEL_FIXED_STEP [s], and the work in each is bounded. */
+#ifndef MODEL_HAS_FIXED_STEP
+#define MODEL_HAS_FIXED_STEP 0
+#endif
+
 /* 1 if there are the functions of directional and adjoint derivatives. */
 #ifndef MODEL_HAS_DERIVATIVES
 #define MODEL_HAS_DERIVATIVES 0

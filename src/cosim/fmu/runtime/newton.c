@@ -54,7 +54,8 @@ static void correction(Newton *w, int n, double *result)
 NewtonOutcome newton_solve(Newton *w, int n, NewtonSystem system, void *context, const double *nominal, double *y)
 {
     if (n == 0) return NEWTON_SOLVED;
-    for (int iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
+    int most = w->most_iterations > 0 ? w->most_iterations : MAX_ITERATIONS;
+    for (int iteration = 0; iteration < most; iteration++) {
         system(context, y, w->r, w->J);
         /* The algebraic equations are solved for every published row: let the compiler know their number. */
         int singular =

@@ -21,6 +21,7 @@ typedef struct {
     double J[MODEL_ROOM(MODEL_NV * MODEL_NV)];
     int pivots[MODEL_ROOM(MODEL_NV)];
     int worst;
+    int most_iterations; /* 0: as many as are of use */
 } Newton;
 
 /* Solve for the n values y, starting from y; nominal[i] is the size of y[i] that counts as one. */

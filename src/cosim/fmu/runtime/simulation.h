@@ -72,6 +72,8 @@ typedef struct {
     double relation_due; /* when the next relation of time changes, INFINITY if none does */
     StepControl control;
     Ahead ahead;
+    double grid_end;     /* where the present fixed step ends, and how many events it has had */
+    int64_t grid_events;
     double burst_start; /* when the present burst of state events began, and how many there were since */
     int64_t burst_events;
     Accumulation accumulation[MODEL_ROOM(MODEL_NG)];
@@ -186,6 +188,10 @@ static inline int simulation_changed_state(const Simulation *m, int k, double g)
 }
 
 int simulation_find_event(Simulation *m, double *theta);
+#if MODEL_HAS_FIXED_STEP
+int simulation_take_fixed_step(Simulation *m, double limit);
+int simulation_find_event_in_fixed_step(Simulation *m, double *theta);
+#endif
 
 /* Whether the importer is to watch a relation: not if it is known beforehand when it changes. */
 static inline int simulation_is_watched(int k)

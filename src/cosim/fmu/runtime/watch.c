@@ -52,6 +52,7 @@ int simulation_count_event(Simulation *m)
 {
     State *s = &m->s;
     s->counters[COUNTER_STATE_EVENTS]++;
+    if (MODEL_HAS_FIXED_STEP) return 1; /* there are not more of them than a step may have */
     for (int k = 0; k < MODEL_NG; k++)
         if (m->changing[k] && s->c[k] == 0.0 && accumulates(s, k))
             return simulation_fail(m,
