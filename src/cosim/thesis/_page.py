@@ -12,7 +12,7 @@ from cosim.thesis._evidence import Evidence
 from cosim.thesis._measured import Measured
 from cosim.thesis._numbers import NUMBERS
 from cosim.thesis._parameters import Parameter
-from cosim.thesis._readings import DIP, READINGS, STRICT
+from cosim.thesis._readings import READINGS, STRICT
 from cosim.thesis._table import PUBLISHED
 
 COMMAND = "Made by `cosim thesis`: the numbers of the simulation are those of its runs, none is typed."
@@ -154,25 +154,30 @@ def _rig(evidence: Evidence) -> Iterator[str]:
 
 
 def _table(evidence: Evidence) -> Iterator[str]:
-    yield "Three readings of the park criterion; table_4_1_readings.csv has the counts of all, with both charts:"
-    yield "\n".join(f"* `{reading.name}`: {reading.says}." for reading in READINGS)
+    reading = evidence.reading
+    readings = dict.fromkeys((*READINGS, reading))
+    yield f"{len(readings)} readings of the criteria; table_4_1_readings.csv has the counts of all, with both charts:"
+    yield "\n".join(f"* `{each.name}`: {each.says}." for each in readings)
     yield (
-        "`dip` is the one that was chosen: the source counted from plots of the voltage, and it rejects what happens "
-        "after the signal. `cosim thesis --set early=50ms`, with the names of `cosim score`, reads otherwise. A pair "
-        "of counts is that of all revolutions and that without the first."
+        "`dip` stands for what the source did: it counted from plots of the voltage, and it rejects what happens after "
+        "the signal. `cosim thesis --set early=50ms`, with the names of `cosim score`, puts another beside `strict`. A "
+        "pair of counts is that of all revolutions and that without the first."
     )
-    strict, dip = counts_of(evidence.rig, STRICT), counts_of(evidence.rig, DIP)
-    full = counts_of(evidence.rig_full_stop, DIP)
+    strict, other = counts_of(evidence.rig, STRICT), counts_of(evidence.rig, reading)
+    full = counts_of(evidence.rig_full_stop, reading)
     without = {(run.sample_time, run.load): run.score.counts_without_first for run in evidence.rig}
-    chosen = evidence.without_first(DIP)
+    later = evidence.without_first(reading)
     yield _markdown(
-        ("sampling", "load", "park, published", "strict", "dip", "dip, Soft_stop Ts", "turn, published", "turn"),
+        (
+            "sampling", "load", "park, published", "strict", reading.name, f"{reading.name}, Soft_stop Ts",
+            "turn, published", "turn",
+        ),
         (
             (
                 f"{1e3 * key[0]:.0f} ms", key[1], PUBLISHED[key][0],
                 f"{strict[key].park_deceleration}/{strict[key].park_total}",
-                f"{dip[key].park_deceleration}/{dip[key].park_total}, "
-                f"{chosen[key].park_deceleration}/{chosen[key].park_total}",
+                f"{other[key].park_deceleration}/{other[key].park_total}, "
+                f"{later[key].park_deceleration}/{later[key].park_total}",
                 f"{full[key].park_deceleration}/{full[key].park_total}",
                 PUBLISHED[key][1],
                 f"{strict[key].turn}/{strict[key].turn_total}, {without[key].turn}/{without[key].turn_total}",
