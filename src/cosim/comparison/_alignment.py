@@ -23,11 +23,12 @@ POINTS = 720
 """Samples of a revolution in the domain of the crank angle."""
 
 
-def find_lag(result: Curve, measured: Curve, method: Alignment) -> float:
+def find_lag(result: Curve, measured: Curve, method: Alignment, most: float = np.inf) -> float:
     """Return by how many seconds the measurement is later than the result; see ``find_angle`` for "angle".
 
     "onset" compares the instants at which both begin to rise; "correlation" takes the lag at which the parts that
-    overlap, by half of the shorter one at least, correlate best, as a multiple of the coarser sampling time.
+    overlap, by half of the shorter one at least, correlate best, as a multiple of the coarser sampling time; none is
+    beyond ``most`` [s].
 
     Raises `InputError` if a signal has no onset or does not vary.
     """
@@ -35,7 +36,7 @@ def find_lag(result: Curve, measured: Curve, method: Alignment) -> float:
         step = max(result.step, measured.step)
         return _onset(measured, step) - _onset(result, step)
     if method == "correlation":
-        return correlation_lag(result, measured)
+        return correlation_lag(result, measured, most)
     return 0.0
 
 
@@ -47,17 +48,18 @@ def _onset(curve: Curve, step: float) -> float:
         raise InputError(f"{curve.name}: {error}") from error
 
 
-def correlation_lag(result: Curve, measured: Curve) -> float:
-    """Return the lag [s] of best correlation; see ``find_lag``."""
+def correlation_lag(result: Curve, measured: Curve, most: float = np.inf) -> float:
+    """Return the lag [s] of best correlation, ``most`` at most; see ``find_lag``."""
     shift = measured.time[0] - result.time[0]
     # both from zero on one step, each with all of its samples
     step = max(result.step, measured.step)
     a, b = (_uniform(curve, step) for curve in (result, measured))
     correlation = _correlations(a, b)
-    best = float(np.nanmax(correlation)) if not np.isnan(correlation).all() else float("nan")
-    if np.isnan(best):
-        raise InputError(f"{result.name} or {measured.name} does not vary; there is nothing to align")
     lags = step * (np.arange(len(correlation)) - (len(a) - 1)) + shift
+    correlation = np.where(np.abs(lags) <= most * (1 + 1e-9), correlation, np.nan)
+    if np.isnan(correlation).all():
+        raise InputError(f"{result.name} or {measured.name} does not vary; there is nothing to align")
+    best = float(np.nanmax(correlation))
     good = np.flatnonzero(correlation >= best - _AS_GOOD)
     # of neighbouring lags that are as good, the best; of humps that are, the nearest
     humps = np.split(good, np.flatnonzero(np.diff(good) > 1) + 1)

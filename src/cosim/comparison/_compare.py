@@ -158,7 +158,11 @@ def compare(
         lag *= period
     else:
         period = 1.0
-        lag = find_lag(part, measured, options.align)
+        lag = find_lag(part, measured, options.align, options.lag_most)
+        if options.align == "correlation" and abs(abs(lag) - options.lag_most) < 2 * max(part.step, measured.step):
+            notes.append(
+                f"the best lag is at the end of those looked at, {lag:g} s; set lag_most higher, or align=onset"
+            )
         pair, half_width = on_one_grid(part, measured.later(-lag)), options.tube_x
     if options.smoothing != "none":
         length = max(3, round(AVERAGE * SAMPLE_TIME / (pair.step * period)))

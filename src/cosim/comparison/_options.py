@@ -27,7 +27,8 @@ SMOOTHINGS = ("none", "moving_average", "zero_phase")
 class Options:
     """What is compared, how it is aligned, and how wide the tube is.
 
-    ``start`` and ``stop`` [s] bound the part of the result that counts. ``smoothing`` is applied to both signals alike.
+    ``start`` and ``stop`` [s] bound the part of the result that counts. "correlation" looks for lags up to ``lag_most``
+    [s] either way. ``smoothing`` is applied to both signals alike.
     The tube's half width is ``tube_x`` [s], its half height the larger of ``tube_y`` (in the quantity's unit) and
     ``tube_y_relative`` times the range of the measurement.
     """
@@ -37,6 +38,7 @@ class Options:
     smoothing: Smoothing = "none"
     start: float = field(default=0.0, metadata={"unit": "s"})
     stop: float = field(default=math.inf, metadata={"unit": "s"})
+    lag_most: float = field(default=5.0, metadata={"unit": "s"})
     tube_x: float = field(default=0.05, metadata={"unit": "s"})
     tube_y: float = field(default=0.0, metadata={"unit": "N.m"})
     tube_y_relative: float = field(default=0.1, metadata={"unit": "1"})
@@ -46,7 +48,7 @@ class Options:
         for name, known in (("quantity", tuple(SIGNALS)), ("align", ALIGNMENTS), ("smoothing", SMOOTHINGS)):
             if getattr(self, name) not in known:
                 raise InputError(f"{name}: there is no '{getattr(self, name)}'; accepted are {', '.join(known)}")
-        for name in ("tube_x", "tube_y", "tube_y_relative"):
+        for name in ("lag_most", "tube_x", "tube_y", "tube_y_relative"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise InputError(f"{name}: {getattr(self, name):g}; a finite number, not negative, is expected")
         if not self.start < self.stop:

@@ -60,17 +60,16 @@ def _overlay(axes: Axes, comparison: Comparison) -> None:
     axes.plot(pair.time, pair.measured, color=_MEASURED, linewidth=1.0, label=f"measured: {comparison.measurement}")
     axes.plot(pair.time, pair.result, color=_RESULT, linewidth=1.2, label=f"simulated: {comparison.result}")
     verdict = "inside the tube" if comparison.tube_pass else f"outside the tube for {figures['tube_outside']:.1%}"
-    axes.set_title(
+    axes.figure.suptitle(
         f"RMSE {figures[f'rmse_{comparison.suffix}']:.3g} {comparison.unit} ({figures['nrmse']:.1%} of the range), "
         f"bias {figures[f'bias_{comparison.suffix}']:.3g} {comparison.unit}, correlation "
         f"{figures['correlation']:.4f}, lag {comparison.lag:.4g} s; {verdict}",
         fontsize=10,
-        loc="left",
     )
     axes.set_ylabel(_label(comparison))
     axes.margins(x=0)
     axes.grid(alpha=0.3)
-    axes.legend(loc="upper right", fontsize=9)
+    _legend_above(axes)
 
 
 def _residual(axes: Axes, comparison: Comparison) -> None:
@@ -80,7 +79,7 @@ def _residual(axes: Axes, comparison: Comparison) -> None:
     axes.plot(pair.time, pair.residual, color=_RESULT, linewidth=0.9)
     if out.any():
         axes.plot(pair.time[out], pair.residual[out], ".", color=_OUTSIDE, markersize=3, label="outside the tube")
-        axes.legend(loc="upper right", fontsize=9)
+        _legend_above(axes)
     axes.set_ylabel(f"simulated - measured\n[{comparison.unit}]")
     axes.set_xlabel("revolutions of the crank" if comparison.options.align == "angle" else "time [s]")
     axes.margins(x=0)
@@ -104,4 +103,9 @@ def _revolution(axes: Axes, comparison: Comparison, turns: Revolutions) -> None:
     axes.set_xlabel("crank angle [deg], bands from the least to the largest of all revolutions")
     axes.set_ylabel(_label(comparison))
     axes.grid(alpha=0.3)
-    axes.legend(loc="upper right", fontsize=9)
+    _legend_above(axes)
+
+
+def _legend_above(axes: Axes) -> None:
+    """Where it hides no line."""
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False, fontsize=9, borderaxespad=0.2)
