@@ -252,7 +252,7 @@ def test_what_is_wrong_with_an_fmu_without_harm_is_told(
 
     assemble = _run.assemble
 
-    def warned(*arguments: Any) -> engine.System:
+    def warned(*arguments: object) -> engine.System:
         warnings.warn(text, FmuWarning, stacklevel=2)
         return assemble(*arguments)
 

@@ -60,7 +60,7 @@ def test_every_parameter_has_value_unit_and_provenance(result: Result, system: S
 
 
 def test_a_parameter_that_was_set_names_what_set_it(result: Result, system: System) -> None:
-    system.components[0].origins["ext_load"] = "--set"
+    system.components[0].origins["ext_load"] = "set by --set"
     parameters: Any = summarize(result, system, RUN)["parameters"]
     assert parameters["plant.ext_load"]["provenance"] == "set by --set"
 

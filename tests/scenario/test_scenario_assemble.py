@@ -185,10 +185,12 @@ def test_bounds_are_reached_in_any_unit(build: Assemble) -> None:
 def test_what_has_set_a_parameter_is_kept(build: Assemble) -> None:
     lines = "# set: plant.ext_load = 4 N.m\n# set: n = 3\n"
     plant, controller = build(lines, "time [s]\n", "n=4").components
-    assert plant.origins == {"ext_load": "the scenario", "n": "--set"}
-    assert controller.origins == {"T_sample": "the scenario's default sample_time"}
-    assert build("# sample_time: 10 ms\n").components[1].origins == {"T_sample": "the scenario"}
-    assert build("# sample_time: 10 ms\n", "time [s]\n", "T_sample=5 ms").components[1].origins == {"T_sample": "--set"}
+    assert plant.origins == {"ext_load": "set by the scenario", "n": "set by --set"}
+    assert controller.origins == {"T_sample": "set by the scenario's default sample_time"}
+    assert build("# sample_time: 10 ms\n").components[1].origins == {"T_sample": "set by the scenario"}
+    assert build("# sample_time: 10 ms\n", "time [s]\n", "T_sample=5 ms").components[1].origins == {
+        "T_sample": "set by --set"
+    }
 
 
 def test_a_map_replaces_the_name(build: Assemble) -> None:

@@ -9,7 +9,8 @@ import pandas as pd
 import pytest
 from numpy.typing import NDArray
 
-from cosim.cli._run import run_files
+from cosim.cli._isolation import Isolation
+from cosim.cli._run import Options, run_files
 from cosim.cli._screen import Screen
 from cosim.scenario import read
 
@@ -29,7 +30,8 @@ RATIO, EFFICIENCY = 73.0, 0.74
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Columns]:
     """Run all scenarios once; gives their columns by the names without units."""
     folder = tmp_path_factory.mktemp("results")
-    assert run_files(SCENARIOS, folder, [], Screen(quiet=True, as_json=False), plots=False) == 0
+    screen = Screen(quiet=True, as_json=False)
+    assert run_files(SCENARIOS, folder, Options.of(None, None), screen, Isolation(), plots=False) == 0
     frames = {path.stem: pd.read_parquet(folder / path.stem / "results.parquet") for path in SCENARIOS}
     return {
         stem: {header.rpartition(" [")[0]: frame[header].to_numpy() for header in frame.columns}

@@ -94,7 +94,7 @@ def test_parameters_reach_through_systems_and_outer_ones_win(assembled: Assemble
     structure = structure.replace("<ssd:Elements>", f"{outer}<ssd:Elements>", 1)
     with pytest.warns(ScenarioWarning) as caught:
         system = assembled(structure)
-    origin = system.components[0].origins["gain"]
+    origin = system.components[0].origins["gain"].removeprefix("set by ")
     assert [str(one.message) for one in caught] == [
         f"{origin}: system 'root' has no parameter of the name start; nothing is set by it"
     ]
@@ -123,7 +123,7 @@ def test_parameter_files_with_prefix_and_mapping(assembled: Assemble, tmp_path: 
         f"{origin}: there is no parameter car.v_rain for the mapping to set something"
     ]
     assert system.components[0].parameters == {"offset": pytest.approx(21.0, rel=1e-15), "x0": 36.0}
-    assert system.components[0].origins["x0"] == str(origin)
+    assert system.components[0].origins["x0"] == f"set by {origin}"
 
 
 def test_start_values_of_inputs(assembled: Assemble, run: Run) -> None:

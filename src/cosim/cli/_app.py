@@ -75,6 +75,10 @@ def run(
             "system or controller; wins over the file. Repeatable.",
         ),
     ] = None,
+    parameters: Annotated[
+        list[Path] | None,
+        typer.Option("--params", metavar="FILE", help="Parameters that cosim calibrate has written. Repeatable."),
+    ] = None,
     plots: Annotated[bool, typer.Option("--plots/--no-plots", help="Draw PNG plots.")] = True,
     isolate: Annotated[
         str,
@@ -106,11 +110,12 @@ def run(
 
         isolated = isolation(isolate, call_timeout, memory_limit)
         prepare(files, isolated, settings or [])
-        from cosim.cli._run import explain_files, run_files
+        from cosim.cli._run import Options, explain_files, run_files
 
+        options = Options.of(settings, parameters)
         if timing:
-            raise typer.Exit(explain_files(files, settings or [], screen, isolated))
-        raise typer.Exit(run_files(files, out, settings or [], screen, isolated, plots=plots))
+            raise typer.Exit(explain_files(files, options, screen, isolated))
+        raise typer.Exit(run_files(files, out, options, screen, isolated, plots=plots))
 
 
 @app.command()

@@ -14,7 +14,24 @@ from cosim.cli._screen import INTERRUPTED, Screen
 from cosim.engine import Result, System, explain_timing, simulate
 from cosim.errors import CosimError, FmuWarning, InputError, SimulationError
 from cosim.report import Run, clear, write
-from cosim.scenario import Scenario, ScenarioWarning, assemble, read
+from cosim.scenario import Scenario, ScenarioWarning, Setting, assemble, read, read_parameters
+
+
+@dataclass(frozen=True)
+class Options:
+    """What wins over the scenario files: what parameter files set, and over that texts ``name=value``."""
+
+    settings: Sequence[str]
+    parameters: Sequence[Setting]
+
+    @classmethod
+    def of(cls, settings: Sequence[str] | None, files: Sequence[Path] | None) -> Options:
+        """Read the parameter files; raises `InputError`."""
+        return cls(settings or [], [setting for file in files or [] for setting in read_parameters(file)])
+
+    def read(self, file: Path) -> Scenario:
+        """Read a scenario with them; raises `InputError`."""
+        return read(file, self.settings, self.parameters)
 
 
 @dataclass
@@ -30,14 +47,14 @@ class Outcome:
     timing: str | None = None
 
 
-def explain_files(files: Sequence[Path], settings: Sequence[str], screen: Screen, isolation: Isolation) -> int:
+def explain_files(files: Sequence[Path], options: Options, screen: Screen, isolation: Isolation) -> int:
     """Tell when things happen in the runs of these scenarios, without running them; return the worst exit code."""
     outcomes: list[Outcome] = []
     for file in files:
         outcome = Outcome(str(file))
         outcomes.append(outcome)
         try:
-            scenario = read(file, settings)
+            scenario = options.read(file)
             system = _assemble(scenario, outcome, screen)
             with _naming(file):
                 outcome.timing = explain_timing(
@@ -57,7 +74,13 @@ def explain_files(files: Sequence[Path], settings: Sequence[str], screen: Screen
 
 
 def run_files(
-    files: Sequence[Path], out: Path, settings: Sequence[str], screen: Screen, isolation: Isolation, *, plots: bool
+    files: Sequence[Path],
+    out: Path,
+    options: Options,
+    screen: Screen,
+    isolation: Isolation,
+    *,
+    plots: bool,
 ) -> int:
     """Run scenarios and write their results into ``out``; return the worst exit code.
 
@@ -68,7 +91,7 @@ def run_files(
     for file in files:
         outcome = Outcome(str(file))
         outcomes.append(outcome)
-        _run(outcome, file, out / file.stem, settings, screen, isolation, plots=plots)
+        _run(outcome, file, out / file.stem, options, screen, isolation, plots=plots)
         if outcome.message is not None:
             screen.error(outcome.message)
         if outcome.exit_code == INTERRUPTED:
@@ -97,14 +120,14 @@ def _run(
     outcome: Outcome,
     file: Path,
     folder: Path,
-    settings: Sequence[str],
+    options: Options,
     screen: Screen,
     isolation: Isolation,
     *,
     plots: bool,
 ) -> None:
     try:
-        scenario = read(file, settings)
+        scenario = options.read(file)
         system = _assemble(scenario, outcome, screen)
         clear(folder)
         result = _simulate(scenario, system, outcome, screen, isolation)

@@ -28,7 +28,7 @@ _ACCEPTED = {
 class Component:
     """An FMU under the name it has in this system, and the parameters that differ from its start values (SI).
 
-    ``origins`` tells for reports what has set them ("the scenario"), where that is known.
+    ``origins`` tells for reports where they come from ("set by the scenario"), as far as known.
     """
 
     name: str

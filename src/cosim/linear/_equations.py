@@ -78,7 +78,7 @@ class Equations:
             for argument, symbols in by.items():
                 results[f"{name}_{argument}"] = ca.jacobian(expression, symbols)
         self._blocks = self._function(results)
-        behind = _behind(dae, _column(continuous.values()))
+        behind = symbols_behind(dae, _column(continuous.values()))
         self.relevant = [k for k, r in enumerate(dae.relations) if r.symbol.name() in behind]
         """Positions of the relations on which f, r or y depend, directly or through discrete variables."""
         self.held = [k for k, s in enumerate(dae.discretes) if s.name in behind]
@@ -152,7 +152,7 @@ def with_unknowns(point: Point, x: Vector, z: Vector) -> Point:
     return replace(point, x=x, z=z)
 
 
-def _behind(dae: Dae, continuous: SX) -> set[str]:
+def symbols_behind(dae: Dae, continuous: SX) -> set[str]:
     """Names of all symbols that the continuous expressions, or the resets of states, may depend on."""
     needed = _names(continuous).union(*(_names(reset.guard) | _names(reset.value) for reset in dae.resets))
     position = {r.symbol.name(): k for k, r in enumerate(dae.relations)}

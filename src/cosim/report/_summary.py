@@ -102,7 +102,7 @@ def _parameter(component: Component, variable: Variable) -> dict[str, object]:
     described = _PROVENANCE.search(variable.description or "")
     provenance = described[0].strip() if described else None
     if variable.name in component.parameters:
-        provenance = f"set by {component.origins.get(variable.name, 'the user')}"
+        provenance = component.origins.get(variable.name, "set by the user")
     return {
         "value": str(value) if isinstance(value, float) and not math.isfinite(value) else value,
         "unit": variable.unit,

@@ -26,5 +26,18 @@ from cosim.scenario._assemble import Locate, assemble
 from cosim.scenario._model import Column, Link, Scenario, ScenarioWarning, Setting
 from cosim.scenario._read import read
 from cosim.scenario._values import parameter_value
+from cosim.scenario.parameter_file import read_parameters, write_parameters
 
-__all__ = ["Column", "Link", "Locate", "Scenario", "ScenarioWarning", "Setting", "assemble", "parameter_value", "read"]
+__all__ = [
+    "Column",
+    "Link",
+    "Locate",
+    "Scenario",
+    "ScenarioWarning",
+    "Setting",
+    "assemble",
+    "parameter_value",
+    "read",
+    "read_parameters",
+    "write_parameters",
+]

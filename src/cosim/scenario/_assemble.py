@@ -120,13 +120,13 @@ def _set_parameters(scenario: Scenario, components: list[Component]) -> dict[End
             raise InputError(str(error), file=setting.file, line=setting.line) from error
         component = next(component for component in components if component.name == end[0])
         component.parameters[end[1]] = value
-        component.origins[end[1]] = _origin(setting.line)
+        component.origins[end[1]] = setting.origin or _origin(setting.line)
     return lines
 
 
 def _origin(line: int | None) -> str:
     """Return where a value comes from by the line it has in the scenario; None is an option."""
-    return "--set" if line is None else "the scenario"
+    return "set by --set" if line is None else "set by the scenario"
 
 
 def _set_sample_time(scenario: Scenario, components: list[Component], setting: Setting | None) -> None:
@@ -156,7 +156,7 @@ def _set_sample_time(scenario: Scenario, components: list[Component], setting: S
         except InputError as error:
             raise InputError(f"'sample_time': {error}", file=scenario.path, line=line) from None
         controller.parameters["T_sample"] = value
-        controller.origins["T_sample"] = _origin(line) if given else "the scenario's default sample_time"
+        controller.origins["T_sample"] = _origin(line) if given else "set by the scenario's default sample_time"
     compute = controller.fmu.variables.get("T_compute")
     period = controller.parameters.get("T_compute", compute.start) if compute else None
     if compute is None or not isinstance(period, float | int) or period <= 0:

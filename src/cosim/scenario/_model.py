@@ -16,12 +16,16 @@ class ScenarioWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Setting:
-    """A start value for a parameter: ``set: plant.ext_load = 4 N.m``. ``file`` is ``--set`` for an option."""
+    """A start value for a parameter: ``set: plant.ext_load = 4 N.m``. ``file`` is ``--set`` for an option.
+
+    ``origin`` tells for reports where the value comes from, if not from the scenario or an option.
+    """
 
     name: str
     value: str
     file: Path | str
     line: int | None = None
+    origin: str | None = None
 
 
 @dataclass(frozen=True)

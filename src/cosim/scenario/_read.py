@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cosim.errors import InputError
 from cosim.scenario._keys import Keys, missing, override, parse_keys
-from cosim.scenario._model import Column, Scenario, is_structure, suggestion
+from cosim.scenario._model import Column, Scenario, Setting, is_structure, suggestion
 from cosim.tabular import Table, load
 from cosim.units import Unit, compatible, convert, parse
 
@@ -21,15 +21,17 @@ _HEADER = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]")
 _SECOND = parse("s")
 
 
-def read(path: Path | str, settings: Sequence[str] = ()) -> Scenario:
+def read(path: Path | str, settings: Sequence[str] = (), parameters: Sequence[Setting] = ()) -> Scenario:
     """Read a scenario file.
 
     ``settings`` are ``name=value`` texts that win over the file; a name is a parameter's or one of stop, sample_time,
-    output_interval, tolerance, system, controller. Raises `InputError` with file, line and column for anything wrong;
+    output_interval, tolerance, system, controller. ``parameters``, from parameter files, win over the file, too, but
+    not over ``settings``. Raises `InputError` with file, line and column for anything wrong;
     what depends on the FMUs (names, units) is checked by `assemble`.
     """
     table = load(Path(path))
     keys = parse_keys(table.path, table.keys, table.plain_decimal)
+    keys.settings += parameters
     for option in settings:
         override(keys, option)
     times = _times(table)

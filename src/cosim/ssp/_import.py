@@ -42,7 +42,7 @@ def read_ssp(path: Path) -> Imported:
     by_name = {component.name: component for component in components}
     for (owner, name), (value, origin) in given.parameters.items():
         by_name[owner].parameters[name] = value
-        by_name[owner].origins[name] = origin
+        by_name[owner].origins[name] = f"set by {origin}"
     notes = [*given.notes, *unknown_units(flat)]
     if structure.start:
         notes.append(f"{structure.location.label}: startTime is {structure.start:g} s; the simulation starts at 0 s")

@@ -1,0 +1,1 @@
+"""Fits parameters of the drive to measurements."""

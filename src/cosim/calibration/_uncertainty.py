@@ -1,0 +1,137 @@
+"""How certain the parameters are, and which of them the data cannot tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_UNKNOWN = 0.1
+"""A combination of parameters with a relative standard error above this is not determined by the data."""
+_TAKES_PART = 0.2
+"""A parameter takes part in a combination with at least this much of its largest coefficient."""
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Derivatives of a measurement's residuals (over their noise), and the residuals themselves, shape (n,).
+
+    ``by_state`` of shape (n, states) by its initial state, ``by_theta`` of shape (n, parameters) by the parameters over
+    their scales; both along the solutions of the equations.
+    """
+
+    residuals: Array
+    by_state: Array
+    by_theta: Array
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A combination of relative changes of the parameters, and its standard error.
+
+    ``coefficients`` have the length 1; all parameters that move by ``coefficients`` times this much, relative to their
+    starting values, change the residuals no more than noise does.
+    """
+
+    coefficients: dict[str, float]
+    singular_value: float
+    error: float
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data tell it to a tenth."""
+        return self.error <= _UNKNOWN
+
+    def parts(self) -> list[str]:
+        """Return the parameters that take part, the strongest first."""
+        largest = max(abs(c) for c in self.coefficients.values())
+        ordered = sorted(self.coefficients, key=lambda name: -abs(self.coefficients[name]))
+        return [name for name in ordered if abs(self.coefficients[name]) >= _TAKES_PART * largest]
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Standard errors (of the parameters over their scales), correlation, and the directions from best to worst.
+
+    ``chi`` is the root of the mean square of all residuals over their noise: 1 if the model is right and the noise as
+    assumed; errors are multiplied by it.
+    """
+
+    names: tuple[str, ...]
+    errors: Array
+    correlation: Array
+    directions: tuple[Direction, ...]
+    chi: float
+
+    @property
+    def undetermined(self) -> list[Direction]:
+        """The directions that the data do not tell."""
+        return [direction for direction in self.directions if not direction.determined]
+
+
+def sensitivity(
+    equations: ca.Function, residuals: ca.Function, q: Array, w: Array, states: int, entries: Sequence[int], total: int
+) -> Sensitivity:
+    """Return dr/dq along the solutions w(q) of 0 = g(q, w), by the implicit function theorem.
+
+    Args:
+        equations: g(q, w).
+        residuals: r(q, w).
+        q: initial state, then parameters.
+        w: the solution for q.
+        states: how many entries of q are the initial state.
+        entries: which of all parameters the others are.
+        total: how many parameters there are.
+    """
+    from scipy.sparse.linalg import splu
+
+    variables = ca.MX.sym("q", len(q)), ca.MX.sym("w", len(w))
+    g, r = equations(*variables), residuals(*variables)
+    jacobians = ca.Function("j", [*variables], [ca.jacobian(e, v) for e in (g, r) for v in variables])
+    g_q, g_w, r_q, r_w = (matrix.sparse() for matrix in jacobians(q, w))
+    dw = -splu(g_w.tocsc()).solve(g_q.toarray())
+    dr = np.asarray(r_q.toarray() + r_w @ dw, dtype=np.float64)
+    by_theta = np.zeros((dr.shape[0], total))
+    for column, entry in enumerate(entries):
+        by_theta[:, entry] += dr[:, states + column]
+    return Sensitivity(np.array(residuals(q, w), dtype=np.float64).ravel(), dr[:, :states], by_theta)
+
+
+def uncertainty(names: Sequence[str], parts: Sequence[Sensitivity], priors: Array, theta: Array) -> Uncertainty:
+    """Return the uncertainty of parameters whose initial states are free.
+
+    Args:
+        names: of the parameters.
+        parts: one for each measurement.
+        priors: of shape (parameters,), one over the standard deviation that each was known with beforehand, 0 if not.
+        theta: the parameters over their scales.
+    """
+    projected = []
+    for part in parts:
+        # what a change of the initial state can make up for says nothing of the parameters
+        basis, _ = np.linalg.qr(part.by_state)
+        projected.append(part.by_theta - basis @ (basis.T @ part.by_theta))
+    jacobian = np.vstack([*projected, np.diag(priors)])
+    count = sum(len(part.residuals) for part in parts)
+    squares = sum(float(part.residuals @ part.residuals) for part in parts)
+    freedom = max(count - len(names) - sum(part.by_state.shape[1] for part in parts), 1)
+    chi = float(np.sqrt(squares / freedom))
+    relative = jacobian * np.where(theta == 0.0, 1.0, theta)
+    _, values, rows = np.linalg.svd(relative, full_matrices=False)
+    tiny = np.finfo(float).eps * max(float(values[0]), 1e-300) * len(jacobian)
+    spread = chi / np.maximum(values, tiny)
+    covariance = (rows.T * spread**2) @ rows
+    errors = np.sqrt(np.diag(covariance))
+    directions = tuple(
+        Direction(
+            dict(zip(names, (row * np.sign(row[np.abs(row).argmax()])).tolist(), strict=True)), float(v), float(e)
+        )
+        for row, v, e in zip(rows, values, spread, strict=True)
+    )
+    scaled = errors * np.abs(np.where(theta == 0.0, 1.0, theta))
+    return Uncertainty(tuple(names), scaled, covariance / np.outer(errors, errors), directions, chi)
