@@ -151,9 +151,15 @@ def test_an_fmu_that_needs_its_tool_is_not_run(fmu_path: Get, tmp_path: Path) ->
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_model_exchange(fmu_path: Get, tmp_path: Path, fmi: int) -> None:
-    path = fmu_path("ball", fmi)
+    """The description of this FMU says that nothing depends on anything, which the derivative of a height does."""
+    path = repack(fmu_path("ball", fmi), tmp_path / "sound.fmu", replacing(' dependencies=""', ""))
     assert found_here(path, tmp_path / "sound", "ModelExchange") == []
     assert check(path, run=False).findings == ()
+    found = found_here(fmu_path("ball", fmi), tmp_path / "lying", "ModelExchange")
+    assert [(finding.rule, finding.where, finding.what) for finding in found] == [
+        ("run.structure", where, f"changes with {known}, which its dependencies leave out")
+        for where, known in (("h", "h"), ("der(h)", "v"), ("v", "v"))
+    ]
     if fmi == 3:
         one_more = replacing("</ModelStructure>", '<EventIndicator valueReference="4"/>' * 2 + "</ModelStructure>")
         found = found_here(repack(path, tmp_path / "x.fmu", one_more), tmp_path / "wrong", "ModelExchange")

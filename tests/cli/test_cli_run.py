@@ -6,7 +6,6 @@ import json
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -254,7 +253,7 @@ def test_what_is_wrong_with_an_fmu_without_harm_is_told(
 
     def warned(*arguments: object) -> engine.System:
         warnings.warn(text, FmuWarning, stacklevel=2)
-        return assemble(*arguments)
+        return assemble(*arguments)  # type: ignore[arg-type]
 
     monkeypatch.setattr(_run, "assemble", warned)
     done = cosim("run", scenario.name, "--no-plots")

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Protocol
 
 from fmpy.fmi1 import FMICallException
-from fmpy.model_description import ModelVariable
+from fmpy.model_description import ModelVariable, Unknown
 
-from cosim.check._bench import Bench, Instance, Value
+from cosim.check._bench import Bench, Instance, Value, is_real
 from cosim.check._rules import Found, Severity
 from cosim.check._run_rules import RUN_RULES
 
@@ -34,6 +34,7 @@ _ALLOWED = 1e-4
 _KINK = 1e-2
 _POINTS = 3
 _MOST_KNOWNS = 40
+_ADD = "add it to the dependencies in ModelStructure"
 _REMEDY = "correct the derivative, or do not claim to provide it"
 
 
@@ -227,20 +228,25 @@ def adjoint(bench: Bench) -> Iterator[Found]:
                         return
 
 
+def _listed(unknowns: Iterable[Unknown]) -> dict[str, set[tuple[str, int]]]:
+    """Return what unknowns are said to depend on, by type and value reference, as aliases are the same."""
+    return {
+        unknown.variable.name: {(known.type, known.valueReference) for known in unknown.dependencies}
+        for unknown in unknowns
+        if unknown.dependencies is not None and is_real(unknown.variable) and not unknown.variable.shape
+    }
+
+
 @RUN_RULES("run.dependencies", Severity.ERROR)
 def dependencies(bench: Bench) -> Iterator[Found]:
     """An output does not change with an input that its declared dependencies in InitialUnknowns leave out."""
-    declared = {
-        unknown.variable.name: {known.name for known in unknown.dependencies}
-        for unknown in bench.subject.description.initialUnknowns
-        if unknown.dependencies is not None and unknown.variable.type != "String" and not unknown.variable.shape
-    }
+    declared = _listed(bench.subject.description.initialUnknowns)
     outputs = [v for v in bench.compared if v.name in declared and v.causality == "output"]
     inputs = [v for v in bench.compared if v.causality == "input" and v.type != "String" and not v.shape]
     with bench.instance() as instance:
         instance.enter_initialization()
         for known in inputs[:_MOST_KNOWNS]:
-            unlisted = [v for v in outputs if known.name not in declared[v.name]]
+            unlisted = [v for v in outputs if (known.type, known.valueReference) not in declared[v.name]]
             before, at = instance.values(unlisted), instance.values([known])[known.name][0]
             try:
                 instance.set(known, _other(known, at))
@@ -250,9 +256,33 @@ def dependencies(bench: Bench) -> Iterator[Found]:
                 return
             for variable in unlisted:
                 if _changed(before[variable.name], after[variable.name]):
-                    what = f"changes with {known.name}, which its dependencies leave out"
-                    yield Found(what, variable.name, "add it to the dependencies in ModelStructure")
+                    yield Found(f"changes with {known.name}, which its dependencies leave out", variable.name, _ADD)
         instance.exit_initialization()
+
+
+@RUN_RULES("run.structure", Severity.ERROR)
+def structure(bench: Bench) -> Iterator[Found]:
+    """In Model Exchange, derivatives and outputs change with no state or input that their dependencies leave out."""
+    if bench.is_cs:
+        return
+    description = bench.subject.description
+    declared = _listed([*description.derivatives, *description.outputs])
+    unknowns = [v for v in (*_derivatives_of(bench), *bench.reals("output")) if v.name in declared]
+    with bench.instance() as instance:
+        instance.initialize()
+        before = instance.reals(unknowns)
+        for group in _knowns(bench, instance):
+            for k, (known, reference) in enumerate(zip(group.names, group.references, strict=True)):
+                try:
+                    after = _moved(instance, unknowns, group, k, 0.1 * group.scales[k])
+                except FMICallException:
+                    with suppress(FMICallException):
+                        group.put(k, group.values[k])
+                    continue
+                for variable, one, other in zip(unknowns, before, after, strict=True):
+                    is_listed = any(there == reference for _, there in declared[variable.name])
+                    if not is_listed and _changed([one], [other]):
+                        yield Found(f"changes with {known}, which its dependencies leave out", variable.name, _ADD)
 
 
 def _other(variable: ModelVariable, value: Value) -> Value:

@@ -112,6 +112,9 @@ def _session(
             findings += _of_message(message, running)
             if "failed" in message and running[1] == _FIRST:
                 done.update(job for job in jobs if job[0] == running[0])
+    if is_over and not done and not is_slow:
+        said = out.with_suffix(".err").read_text(encoding="utf-8", errors="replace")
+        raise RuntimeError(f"the process that checks the FMU did not get to work:\n{said[-3000:]}")
     if not is_over or not done:
         done.update(job for job in jobs if job == running or (running[1] == _FIRST and job[0] == running[0]))
         findings.append(_end(process.returncode, running, timeout if is_slow else None))
