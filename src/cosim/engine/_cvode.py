@@ -12,10 +12,14 @@ from ctypes import byref, c_char_p, c_double, c_int, c_void_p, cast, memmove
 from types import SimpleNamespace
 from typing import NamedTuple
 
+from cosim.engine._arguments import LEAST_TOLERANCE
 from cosim.errors import FmuError
 
 Function = Callable[[float, int, int], int]
 """Takes the time [s], the address of the states and that of what is to be filled; returns 0, 1 (recoverable) or -1."""
+
+_SHARE = 0.1
+"""Of the tolerance asked for, what a single step may err: CVode controls no more than that, and steps add up."""
 
 _ONE_STEP = 2
 _ROOT = 2
@@ -40,12 +44,22 @@ class Cvode:
     """
 
     def __init__(
-        self, n: int, n_roots: int, rates: Function, roots: Function, tolerance: float, max_step: float
+        self,
+        n: int,
+        n_roots: int,
+        rates: Function | int,
+        roots: Function | int,
+        tolerance: float,
+        max_step: float,
+        user_data: int = 0,
     ) -> None:
-        """Allocate; ``tolerance`` is relative, ``max_step`` in s. Raises FmuError where fmpy has no CVode."""
+        """Allocate; ``tolerance`` is relative, ``max_step`` in s. Raises FmuError where fmpy has no CVode.
+
+        Both functions may be given by their addresses, as CVode takes them; they are called with ``user_data``.
+        """
         s = _sundials()
         self._library = s
-        self._tolerance = tolerance
+        self._tolerance = max(_SHARE * tolerance, LEAST_TOLERANCE)
         self._max_step = max_step
         self.n, self.n_roots = n, n_roots
         self._context = s.SUNContext()
@@ -58,15 +72,19 @@ class Cvode:
         self._linear = s.SUNLinSol_Dense(self._y, self._matrix, self._context)
         self._memory: int | None = None
         data = s.N_VGetArrayPointer
-        self._rates = s.CVRhsFn(lambda t, y, dy, _: rates(t, data(y), data(dy)))
-        self._roots = s.CVRootFn(lambda t, y, g, _: roots(t, data(y), cast(g, c_void_p).value or 0))
+        self._user_data = user_data
+        if isinstance(rates, int) or isinstance(roots, int):
+            self._rates, self._roots = s.CVRhsFn(rates), s.CVRootFn(roots)
+        else:
+            self._rates = s.CVRhsFn(lambda t, y, dy, _: rates(t, data(y), data(dy)))
+            self._roots = s.CVRootFn(lambda t, y, g, _: roots(t, data(y), cast(g, c_void_p).value or 0))
         self._time = c_double()
         self.states: int = data(self._y)
 
     def start(self, t: float, states: int, nominals: int, stop: float | None) -> None:
         """Start at t [s] from the states at an address, with their nominal values; never go beyond ``stop`` [s].
 
-        The absolute tolerance is that of the FMI standard: 0.01 times the relative one times the nominal value.
+        The absolute tolerance is, as the FMI standard has it, 0.01 times the relative one times the nominal value.
         """
         s, data = self._library, self._library.N_VGetArrayPointer
         memmove(data(self._y), states, 8 * self.n)
@@ -79,6 +97,7 @@ class Cvode:
             s.CVodeInit(self._memory, self._rates, t, self._y)
             s.CVodeRootInit(self._memory, self.n_roots, self._roots)
             s.CVodeSetLinearSolver(self._memory, self._linear, self._matrix)
+            s.CVodeSetUserData(self._memory, self._user_data)
             s.CVodeSetNoInactiveRootWarn(self._memory)
             s.CVodeSetMaxStep(self._memory, self._max_step)
         else:
@@ -103,6 +122,11 @@ class Cvode:
         if flag < 0:
             raise CvodeError(self._name(flag))
         return int(s.N_VGetArrayPointer(self._dense))
+
+    @staticmethod
+    def array_pointer() -> int:
+        """Return the address of the function that gives CVode's vectors as arrays."""
+        return cast(_sundials().N_VGetArrayPointer, c_void_p).value or 0
 
     def _name(self, flag: int) -> str:
         name: bytes = self._library.CVodeGetReturnFlagName(flag)
@@ -135,6 +159,7 @@ def _sundials() -> SimpleNamespace:
     vector, context = sundials.N_Vector, sundials.SUNContext
     for library, name, result, arguments in (
         (sundials_cvode, "CVodeGetDky", c_int, (c_void_p, c_double, c_int, vector)),
+        (sundials_cvode, "CVodeSetUserData", c_int, (c_void_p, c_void_p)),
         (sundials_cvode, "CVodeSetStopTime", c_int, (c_void_p, c_double)),
         (sundials_cvode, "CVodeGetReturnFlagName", c_char_p, (c_int,)),
         (sundials_core, "N_VGetArrayPointer", c_void_p, (vector,)),

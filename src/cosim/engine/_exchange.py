@@ -19,6 +19,7 @@ from fmpy.fmi2 import fmi2EventInfo
 
 from cosim.engine._calls import Site
 from cosim.engine._cvode import Cvode, CvodeError
+from cosim.engine._evaluation import Evaluation
 from cosim.engine._fmu import Fmu
 from cosim.engine._instance import (
     EVENT_NEEDED,
@@ -32,6 +33,7 @@ from cosim.engine._instance import (
     Fmi3Instance,
     Instance,
 )
+from cosim.engine._library import native_library
 from cosim.engine._log import FAILED, STATUS
 from cosim.engine._system import SAME_INSTANT
 
@@ -80,6 +82,7 @@ class ExchangeInstance(Instance):
         """Instantiate; raises FmuError if the FMU refuses."""
         self.own_events = event_mode
         self._solver: Cvode | None = None
+        self._evaluation: Evaluation | None = None
         self._failure: CallError | None = None  # of a call that has returned a bad status to the loop
         self._failed: tuple[str, int] | None = None  # function and status that have stopped the solver
         self._handed_on: list[object] = []  # callbacks, kept as long as the native loop may call them
@@ -253,14 +256,17 @@ class ExchangeInstance(Instance):
             try:
                 self._front, self._root = self._solver.step(limit if isfinite(limit) else self._front + 1.0)
             except CvodeError as error:
-                if self._failed is not None:
-                    Instance.check(self, *self._failed)
+                failed = self._evaluation.failure if self._evaluation else self._failed
+                if failed is not None:
+                    Instance.check(self, *failed)
                 raise CallError(
                     self,
                     f"CVode cannot go on from {self._front:.9g} s: {error}",
                     "check its parameters and its inputs at that time, or try another tolerance",
                 ) from error
             self.counts["steps"] += 1
+            if self._evaluation:
+                self.counts["rhs_evaluations"] = self._evaluation.evaluations
 
     def _accept(self, at_end: bool) -> bool:
         """Put the FMU to the end of a step of the solver, handle what happens there; tell whether the step ends."""
@@ -376,7 +382,26 @@ class ExchangeInstance(Instance):
         self._states, self._nominals = (c_double * size)(*[1.0] * size), (c_double * size)(*[1.0] * size)
         if n_states or n_indicators:
             longest = inf if self._stop is None else self._stop / _LEAST_STEPS
-            self._solver = Cvode(size, n_indicators, self._rates, self._indicators, self._tolerance, longest)
+            native = self._evaluation = self._native_evaluation()
+            self._solver = Cvode(
+                size,
+                n_indicators,
+                native.rates if native else self._rates,
+                native.indicators if native else self._indicators,
+                self._tolerance,
+                longest,
+                native.data if native else 0,
+            )
+
+    def _native_evaluation(self) -> Evaluation | None:
+        """Return the functions that CVode calls in C; None without a library, so that those here are called."""
+        library = native_library()
+        if library is None:
+            return None
+        names = ("SetTime", "SetContinuousStates", self.names[0], "GetEventIndicators")
+        pointers = [super(ExchangeInstance, self).pointer(name) for name in names]
+        sizes = (self.n_states, self.n_indicators)
+        return Evaluation(library, self.component, names, pointers, sizes, self.site)
 
     def _rates(self, t: float, states: int, rates: int) -> int:
         self.counts["rhs_evaluations"] += 1

@@ -28,5 +28,6 @@ OFTEN void enter(Engine *engine, const Component *component, CalledFunction func
 #include "record.c"
 #include "loop.c"
 #if !WATCHED
+#include "exchange.c"
 #include "faults.c"
 #endif
