@@ -91,9 +91,8 @@ class Worker:
 
     @property
     def death(self) -> Death:
-        """How it ended; it has."""
-        assert self._transport.death is not None
-        return self._transport.death
+        """How it ended, or would if it could be killed: a system call may keep it."""
+        return self._transport.death or Death(-9)
 
     def kill(self) -> None:
         """End it, and what it has started, at once."""
