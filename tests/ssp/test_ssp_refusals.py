@@ -104,7 +104,7 @@ STRUCTURES = {
             + wrapped("Elements", typed("application/x-ssp-definition", "#s"))
             + "</ssd:System>"
         ),
-        "more than 32 systems refer to each other; does this one refer to itself?",
+        "component 'c' refers to a system that it is part of; take it out",
     ),
     "an id that is not there": (
         pair(more=typed("application/x-ssp-definition", "#s")),

@@ -37,32 +37,31 @@ _IMPLEMENTATIONS: dict[str, Interface | None] = {
     "ModelExchange": "ModelExchange",
 }
 _MOST_ELEMENTS = 10_000
-_MOST_LEVELS = 32
 
 
 def read_structure(location: Location) -> Structure:
     """Read an SSD and what it refers to, except for the FMUs. Raises `InputError`, with file and line, for the rest."""
-    return _Reader().structure(location, None, 0)
+    return _Reader().structure(location, None, ())
 
 
 @dataclass
 class _File:
-    """An SSD that is being read: its root, where it is, and the units that it defines."""
+    """An SSD that is being read: its root, where it is, the units that it defines, and what it is read for."""
 
     root: Node
     location: Location
     units: dict[str, Unit]
-    level: int
+    within: tuple[str, ...]
 
 
 class _Reader:
     def __init__(self) -> None:
         self._elements = 0
 
-    def structure(self, location: Location, place: Place | None, level: int) -> Structure:
+    def structure(self, location: Location, place: Place | None, within: tuple[str, ...]) -> Structure:
         content = location.content(place)
         root = parse(content, location.label, "ssd")
-        file = _File(root, location, _units(root, "ssd"), level)
+        file = _File(root, location, _units(root, "ssd"), (*within, location.label))
         system = root.child("ssd:System")
         if system is None:
             raise root.place.fail("has no System; export it again")
@@ -73,15 +72,13 @@ class _Reader:
             structure.stop = experiment.number("stopTime", math.nan) if experiment.has("stopTime") else None
         return structure
 
-    def _count(self, place: Place, level: int) -> None:
+    def _count(self, place: Place) -> None:
         self._elements += 1
         if self._elements > _MOST_ELEMENTS:
-            raise place.fail(f"the structure has more than {_MOST_ELEMENTS} elements; does it refer to itself?")
-        if level > _MOST_LEVELS:
-            raise place.fail(f"more than {_MOST_LEVELS} systems refer to each other; does this one refer to itself?")
+            raise place.fail(f"the structure has more than {_MOST_ELEMENTS} systems and components; split it")
 
     def _system(self, node: Node, file: _File) -> SystemElement:
-        self._count(node.place, file.level)
+        self._count(node.place)
         system = SystemElement(node.text("name"), node.place, *_connectors(node, file), _bindings(node, file))
         for path in ("ssd:SignalDictionaries/ssd:SignalDictionary", "ssd:Elements/ssd:SignalDictionaryReference"):
             found = node.child(path)
@@ -101,7 +98,7 @@ class _Reader:
         return system
 
     def _component(self, node: Node, file: _File) -> Element:
-        self._count(node.place, file.level)
+        self._count(node.place)
         name, kind = node.text("name"), node.text("type", _FMU).partition(";")[0].strip()
         if not node.has("source"):
             raise node.place.fail(f"component '{name}' has no source, only its interface is described; give it an FMU")
@@ -130,16 +127,19 @@ class _Reader:
 
     def _referenced(self, node: Node, file: _File, location: Location, fragment: str, kind: str) -> SystemElement:
         """Read the system that a component stands for; the component's bindings come after the system's own."""
-        level = file.level + 1
-        if not node.text("source").partition("#")[0]:
+        here = not node.text("source").partition("#")[0]
+        target = f"{(file.location if here else location).label}#{fragment}" if fragment else location.label
+        if target in file.within:
+            raise node.place.fail(f"component '{node.text('name')}' refers to a system that it is part of; take it out")
+        if here:
             found = _by_id(file.root, fragment)
             if found is None:
                 raise node.place.fail(f"there is no System with the id '{fragment}' in this file")
-            system = self._system(found, _File(file.root, file.location, file.units, level))
+            system = self._system(found, _File(file.root, file.location, file.units, (*file.within, target)))
         elif kind == _SSD:
-            system = self.structure(location, node.place, level).root
+            system = self.structure(location, node.place, file.within).root
         else:
-            system = self.structure(location.inside(node.place, fragment or DEFAULT), node.place, level).root
+            system = self.structure(location.inside(node.place, fragment or DEFAULT), node.place, file.within).root
         system.name = node.text("name")
         system.bindings += _bindings(node, file, location)
         return system
