@@ -219,3 +219,10 @@ def test_what_cannot_be_meant(tmp_path: Path, xml: str) -> None:
     with warnings.catch_warnings(), pytest.raises(FmuError, match=r"its modelDescription.xml cannot be read: "):
         warnings.simplefilter("error")
         reading(tmp_path, xml)
+
+
+def test_a_dimension_is_quickly_written(tmp_path: Path) -> None:
+    with pytest.raises(FmuError, match="its arrays have 20000000004 elements; 1000000 are accepted"):
+        reading(
+            tmp_path, FMI3.replace('<Dimension start="2"/>', '<Dimension start="100000"/><Dimension start="200000"/>')
+        )

@@ -9,14 +9,14 @@ import hashlib
 import json
 import os
 import tomllib
-import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
 from cosim import __version__
-from cosim.errors import InputError
+from cosim.archive import Archive
+from cosim.errors import FmuError, InputError
 from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
 
 _PACKAGE = Path(__file__).parents[1]
@@ -193,11 +193,11 @@ def _folders(platforms: str, fmi: FmiVersion) -> set[str]:
 def _up_to_date(path: Path, wanted: str, folders: set[str]) -> bool:
     """Whether there is an FMU with this hash, and with files in each of these folders."""
     try:
-        with zipfile.ZipFile(path) as archive:
-            record = json.loads(archive.read("extra/io.github.wiper-cosim/build.json"))
-            present = {name[: name.rindex("/") + 1] for name in archive.namelist() if "/" in name}
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+        archive = Archive.open(path)
+        record = json.loads(archive.read("extra/io.github.wiper-cosim/build.json"))
+    except (FmuError, KeyError, ValueError):
         return False
+    present = {name[: name.rindex("/") + 1] for name in archive.sizes if "/" in name}
     return bool(record.get("hash") == wanted and folders <= present)
 
 
