@@ -34,7 +34,14 @@ Platform = Annotated[
 StrictUnits = Annotated[
     bool, typer.Option("--strict-units", help="Refuse a model whose units do not fit, instead of a warning.")
 ]
-Sources = Annotated[bool, typer.Option("--sources/--no-sources", help="Put the C sources into the FMU.")]
+Sources = Annotated[
+    bool | None,
+    typer.Option(
+        "--sources/--no-sources",
+        help="Put the C sources into the FMU; by default into one for a single platform.",
+        show_default=False,
+    ),
+]
 Fmi = Annotated[str, typer.Option(metavar="3.0|2.0|both", help="FMI version; an FMI 2.0 file ends in .fmi2.fmu.")]
 
 
@@ -127,7 +134,7 @@ def build(
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Where to put the FMUs.")] = None,
     platform: Platform = "host",
     fmi: Fmi = "3.0",
-    sources: Sources = True,
+    sources: Sources = None,
     strict_units: StrictUnits = False,
     quiet: Quiet = False,
     as_json: Json = False,
@@ -194,7 +201,7 @@ def export(
         str | None,
         typer.Option("--fixed-step", metavar="TIME", help="Take steps of this length, for hardware in the loop."),
     ] = None,
-    sources: Sources = True,
+    sources: Sources = None,
     strict_units: StrictUnits = False,
     quiet: Quiet = False,
     as_json: Json = False,

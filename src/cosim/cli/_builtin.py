@@ -42,7 +42,7 @@ def build_all(
     platforms: str,
     *,
     strict_units: bool = False,
-    with_sources: bool = True,
+    with_sources: bool | None = None,
 ) -> list[Path]:
     """Build the named built-in FMUs, or all of them, into ``out`` or the default place.
 
@@ -70,7 +70,7 @@ def export_model(
     *,
     strict_units: bool = False,
     explain: bool = False,
-    with_sources: bool = True,
+    with_sources: bool | None = None,
     fixed_step: float | None = None,
 ) -> tuple[list[Path], str | None]:
     """Compile a Modelica model into an FMU, or one of each FMI version, in the folder ``out``; return the paths.

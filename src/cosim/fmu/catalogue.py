@@ -91,7 +91,7 @@ def build(
     fmi: FmiChoice = "3.0",
     platforms: str = "host",
     *,
-    with_sources: bool = True,
+    with_sources: bool | None = None,
 ) -> list[Path]:
     """Build the FMUs of these names (all by default) where they are missing or out of date; their paths.
 
@@ -131,7 +131,7 @@ def has(path: Path) -> bool:
 
 
 def _build(
-    entry: CatalogueEntry, out: Path, choice: FmiChoice, platforms: str = "host", with_sources: bool = False
+    entry: CatalogueEntry, out: Path, choice: FmiChoice, platforms: str = "host", with_sources: bool | None = None
 ) -> list[Path]:
     versions = versions_of(choice)
     paths = {fmi: out / file_name(entry.fmu_name, fmi) for fmi in versions}
@@ -165,7 +165,7 @@ def _build(
                     fmi="both" if len(missing) > 1 else missing[0],
                     build_hash=wanted,
                     platforms=platforms,
-                    with_sources=with_sources or out == build_folder(),
+                    with_sources=with_sources,
                 )
     return list(paths.values())
 

@@ -117,7 +117,7 @@ class Dependencies:
 
 
 def _references(layout: Layout) -> dict[tuple[str, int], int]:
-    """The variable by which a place is known: of several equal ones the input, parameter or state, or else the first."""
+    """The variable by which a place is known: of several equal ones the input, parameter or state, else the first."""
     found: dict[tuple[str, int], int] = {}
     for reference, slot in enumerate(layout.slots):
         place = slot.store, slot.index

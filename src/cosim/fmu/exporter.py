@@ -19,9 +19,11 @@ from cosim.errors import ModelWarning
 from cosim.fmu.codegen import generate
 from cosim.fmu.description import describe
 from cosim.fmu.description2 import describe2
+from cosim.fmu.documentation import document_model
 from cosim.fmu.layout import lay_out
 from cosim.fmu.provenance import remember
 from cosim.fmu.sources import build_description, compiled, source_files
+from cosim.fmu.terminals import icon, terminals_and_icons
 from cosim.fmu.toolchain import RUNTIME, Platform, chosen, compile_library, fmi_headers, runtime_sources
 from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
 from cosim.modelica import Source, check_units, flatten, refuse_mismatches
@@ -57,13 +59,13 @@ def export(
     fmi: FmiVersion = "3.0",
     build_hash: str | None = None,
     platforms: str = "host",
-    with_sources: bool = True,
+    with_sources: bool | None = None,
     fixed_step: float | None = None,
 ) -> Path:
     """Compile one class of a Modelica file or package to an FMU in the folder ``out``.
 
     ``platforms`` is "host", "all", or names separated by commas, as :func:`cosim.fmu.toolchain.chosen` takes them.
-    The C from which the binaries are built goes along, unless ``with_sources`` is false. With
+    The C from which the binaries are built goes along if ``with_sources``, by default if there is one binary only. With
     ``fixed_step`` [s] the solver takes steps of this length, and the work in each is bounded; see docs/fixed_step.md.
 
     The FMI 3.0 file is ``<last part of the model's name>.fmu``, the FMI 2.0 one ends in ``.fmi2.fmu``. It is written
@@ -93,7 +95,7 @@ def export_all(
     build_hash: str | None = None,
     strict_units: bool = False,
     platforms: str = "host",
-    with_sources: bool = True,
+    with_sources: bool | None = None,
 ) -> list[Path]:
     """Compile one class once and write it as an FMU of each chosen FMI version; see :func:`export`."""
     dae = compile_model(file, model, strict_units=strict_units)
@@ -107,7 +109,7 @@ def pack_all(
     fmi: FmiChoice = "both",
     build_hash: str | None = None,
     platforms: str = "host",
-    with_sources: bool = True,
+    with_sources: bool | None = None,
     fixed_step: float | None = None,
 ) -> list[Path]:
     """Write a compiled model as an FMU of each chosen FMI version; see :func:`export`."""
@@ -132,11 +134,12 @@ def pack(
     fmi: FmiVersion = "3.0",
     build_hash: str | None = None,
     platforms: str = "host",
-    with_sources: bool = True,
+    with_sources: bool | None = None,
     fixed_step: float | None = None,
 ) -> Path:
     """Write a compiled model as an FMU for the platforms that :func:`toolchain.chosen` takes; see :func:`export`."""
     targets = chosen(platforms, fmi)
+    with_sources = len(targets) == 1 if with_sources is None else with_sources
     identifier = re.sub(r"\W", "_", dae.name.rpartition(".")[2])
     layout = lay_out(dae)
     generated = generate(dae, layout, _TOKEN, fixed_step)
@@ -171,7 +174,13 @@ def pack(
             },
             BUILD_RECORD: _record(dae, build_hash),
             "documentation/licenses/LICENSE.txt": (RUNTIME / "LICENSE").read_bytes(),
+            "documentation/index.html": document_model(dae, layout, tool_versions(), fixed_step),
         }
+    if fmi == "3.0":
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_and_icons(layout)
+        files["terminalsAndIcons/icon.png"] = icon(layout)
+    else:
+        files["model.png"] = icon(layout)
     if with_sources:
         sources = source_files(generated, fmi)
         if fmi == "3.0":
