@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from cosim import __version__
+from cosim.cli import _measurements
 from cosim.cli._screen import INTERRUPTED, Screen, reporting, warned
 
 app = typer.Typer(
@@ -43,6 +44,8 @@ Sources = Annotated[
     ),
 ]
 Fmi = Annotated[str, typer.Option(metavar="3.0|2.0|both", help="FMI version; an FMI 2.0 file ends in .fmi2.fmu.")]
+
+app.add_typer(_measurements.app)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
