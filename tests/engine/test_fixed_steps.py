@@ -10,7 +10,10 @@ from both_loops import simulate
 from fmu_builder import INTEGRATOR, build, edited
 
 from cosim.engine import Channel, Component, Connection, Fmu, System, explain_timing
-from cosim.errors import InputError
+from cosim.errors import FmuWarning, InputError
+
+# that they take steps of one length is said in every run
+pytestmark = pytest.mark.filterwarnings("ignore::cosim.errors.FmuWarning")
 
 Get = Callable[..., Fmu]
 VARIABLE = 'canHandleVariableCommunicationStepSize="true"'
@@ -53,6 +56,12 @@ def test_each_step_has_the_inputs_of_its_beginning(fixed: Fmu, fmu: Get) -> None
 
 
 def test_it_is_said_so(fixed: Fmu) -> None:
+    with pytest.warns(FmuWarning) as said:
+        simulate(System([Component("p", fixed)]), stop=1.0, output_interval=0.05, tolerance=1e-6)
+    assert str(said[0].message) == (
+        "p (integrator) takes steps of one length only, 0.1 s: its inputs act from its next step on, and its outputs "
+        "hold in between; choose an output interval, sample times and steps of channels that are multiples of it"
+    )
     text = explain_timing(System([Component("p", fixed)]), stop=1.0, output_interval=0.03)
     assert "continuous: steps of 0.1 s, the only ones it takes; its outputs hold in between" in text
 

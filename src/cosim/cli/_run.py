@@ -166,7 +166,11 @@ def _simulate(
 ) -> Result | None:
     """Simulate; a run that ends early leaves its message in ``outcome`` and gives what it had, None if nothing."""
     try:
-        with _naming(scenario.path), screen.progress(scenario.path.stem, scenario.stop) as progress:
+        with (
+            _noting(outcome, screen),
+            _naming(scenario.path),
+            screen.progress(scenario.path.stem, scenario.stop) as progress,
+        ):
             return simulate(
                 system,
                 stop=scenario.stop,
@@ -183,6 +187,21 @@ def _simulate(
         outcome.message = f"{scenario.path}: {str(error) or 'interrupted'}"
         partial: Result | None = getattr(error, "result", None)
         return partial
+
+
+@contextmanager
+def _noting(outcome: Outcome, screen: Screen) -> Iterator[None]:
+    """Tell, after the run, of what was remarkable about the FMUs."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("always", FmuWarning)
+        try:
+            yield
+        finally:
+            texts = [str(warning.message) for warning in caught]
+            outcome.notes = [*outcome.notes, *texts]
+            for text in texts:
+                screen.note(text)
 
 
 @contextmanager

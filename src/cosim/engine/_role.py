@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import enum
 import math
+import warnings
+from collections.abc import Iterable
 
 from cosim.engine._fmu import Fmu
 from cosim.engine._system import SAME_INSTANT, Component
-from cosim.errors import FmuError
+from cosim.errors import FmuError, FmuWarning
 
 _PERIOD = "T_compute"
 
@@ -61,3 +63,18 @@ def fixed_step_of(component: Component, output_interval: float) -> float:
 def _has_period(fmu: Fmu) -> bool:
     variable = fmu.variables.get(_PERIOD)
     return variable is not None and variable.causality == "parameter" and variable.type == "Real"
+
+
+def warn_of_fixed_steps(components: Iterable[Component], output_interval: float) -> None:
+    """Warn (FmuWarning) of continuous components that take steps of one length only [s]: they see others late."""
+    for component in components:
+        step = fixed_step_of(component, output_interval)
+        if role_of(component.fmu) is Role.CONTINUOUS and step < math.inf:
+            which = "" if component.fmu.fixed_step else " (the output interval, since it does not say which)"
+            warnings.warn(
+                f"{component.name} ({component.fmu.name}) takes steps of one length only, {step:g} s{which}: its "
+                "inputs act from its next step on, and its outputs hold in between; choose an output interval, sample "
+                "times and steps of channels that are multiples of it",
+                FmuWarning,
+                stacklevel=3,
+            )

@@ -15,6 +15,7 @@ from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Layout, lay_out
 from cosim.engine._record import Record
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
+from cosim.engine._role import warn_of_fixed_steps
 from cosim.engine._supervisor import Limits
 from cosim.engine._system import System
 
@@ -60,6 +61,8 @@ def simulate(
     loop = loop_name()
     system.check()
     check_fixed_steps(system, step)
+    if step is None:
+        warn_of_fixed_steps(system.components, output_interval)
     for component in system.components:
         parameters_of(component)
     limits = Limits(call_timeout, memory_limit)
