@@ -14,7 +14,7 @@ from fmu_builder import MODELS, description
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cosim.check import check
+from cosim.check import check, describe
 from cosim.engine import Fmu
 from cosim.errors import FmuError
 
@@ -68,10 +68,11 @@ def changed(content: bytes, changes: list[tuple[int, str, int]]) -> bytes:
 def survives(path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        try:
-            Fmu.read(path).close()
-        except FmuError as error:
-            assert str(error).startswith(f"{path}: ")
+        for read in (lambda: Fmu.read(path).close(), lambda: describe(path)):
+            try:
+                read()
+            except FmuError as error:
+                assert str(error).startswith(f"{path}: ")
         report = check(path, run=False)
     assert all(finding.what for finding in report.findings)
 

@@ -33,6 +33,6 @@ def violations(root: etree._Element) -> list[Violation]:
     if schema.validate(root):
         return []
     return [
-        Violation(str(entry.message), int(entry.line), str(entry.type_name) == "SCHEMAV_CVC_COMPLEX_TYPE_4")
+        Violation(str(entry.message).rstrip("."), int(entry.line), str(entry.type_name) == "SCHEMAV_CVC_COMPLEX_TYPE_4")
         for entry in schema.error_log
     ]
