@@ -30,6 +30,10 @@ from cosim.engine import (
     explain_timing,
     simulate,
 )
+from cosim.engine._calls import Site
+from cosim.engine._execution import Job, execute, instantiated
+from cosim.engine._plan import lay_out
+from cosim.engine._record import Record
 from cosim.errors import CosimError, FmuError, InputError, SimulationError
 from cosim.fmu import provenance
 from cosim.worker import dismiss
@@ -227,6 +231,17 @@ def test_model_exchange_runs_in_a_worker_as_it_does_here(fmu: Get, version: int)
         return simulate(system, stop=0.6, output_interval=0.01, tolerance=1e-6, isolate=isolate)
 
     compare(result("always"), result("never"))
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_each_call_of_the_solver_is_counted(fmu: Get, version: int) -> None:
+    """Else one long step, in which a slow function is called again and again, would look like one call that hangs."""
+    job = Job(System([Component("ball", fmu("ball", version))]), 1.0, 1.0, 1e-6)
+    record = Record.empty(1.0, 1.0, lay_out(job.system).recorded, "native")
+    with instantiated(job, [Site(record.at)]) as plan:
+        ending = execute(job, plan, record, None)
+    evaluations = ending.statistics["solver"]["ball"]["rhs_evaluations"]  # type: ignore[index]
+    assert record.at.calls > 3 * evaluations
 
 
 def test_fmi_1_runs_in_a_worker_as_it_does_here(tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ from ctypes import Structure, addressof, c_int32, c_int64, c_void_p, cast
 
 from cosim.engine._calls import NUMBERS, Site
 from cosim.engine._cvode import Cvode
-from cosim.engine._structures import Position
 from cosim.errors import BuildError
 
 
@@ -19,16 +18,12 @@ class _Exchange(Structure):
         ("instance", c_void_p),
         ("functions", 4 * c_void_p),
         ("data", c_void_p),
-        ("call", c_void_p),
+        ("at", c_void_p),
         *((name, c_int64) for name in ("n_states", "n_indicators", "evaluations")),
         ("number", c_int32),
         ("numbers", 4 * c_int32),
         *((name, c_int32) for name in ("failed", "status")),
     ]
-
-
-def _offset(structure: type[Structure], field: str) -> int:
-    return int(getattr(structure, field).offset)
 
 
 class Evaluation:
@@ -60,7 +55,7 @@ class Evaluation:
             instance=instance,
             functions=(c_void_p * 4)(*pointers),
             data=Cvode.array_pointer(),
-            call=addressof(site.position) + _offset(Position, "component"),
+            at=addressof(site.position),
             n_states=sizes[0],
             n_indicators=sizes[1],
             number=site.number,

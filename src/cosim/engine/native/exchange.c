@@ -14,7 +14,7 @@ typedef struct {
     void *instance;
     Function functions[4];       /* of the FMU, in the order of Evaluation */
     double *(*data)(void *vector); /* N_VGetArrayPointer of SUNDIALS */
-    Call *call;                  /* where it is noted which function runs */
+    Position *at;                /* where it is noted which function runs, and that it is another call */
     int64_t n_states, n_indicators, evaluations;
     int32_t number;              /* of the component */
     int32_t numbers[4];          /* of the functions */
@@ -22,7 +22,7 @@ typedef struct {
 } Exchange;
 
 static int outcome(Exchange *x, Evaluation function, Status status) {
-    x->call->component = NOWHERE;
+    x->at->call.component = NOWHERE;
     if (status < FAILED) return 0;
     if (status == DISCARD) return 1;
     x->failed = (int32_t)function;
@@ -31,7 +31,8 @@ static int outcome(Exchange *x, Evaluation function, Status status) {
 }
 
 static void tell(const Exchange *x, Evaluation function) {
-    *x->call = (Call){x->number, x->numbers[function]};
+    x->at->calls++;
+    x->at->call = (Call){x->number, x->numbers[function]};
 }
 
 static Status evaluate(const Exchange *x, Evaluation function, double *values, int64_t n) {
