@@ -61,7 +61,7 @@ def _bind(flat: Flat, element: Element, path: Path, binding: Binding, found: Val
         targets = list(_targets(flat, element, path, name))
         for end, variable, unit, hops in targets:
             _set(parameter, entry, end, variable, unit, hops, binding.origin, found)
-        if not targets:
+        if not targets and name not in element.connectors:
             unused.append(name)
     if unused:
         owner = f"'{'.'.join(path)}'" if path else f"system '{element.name}'"
