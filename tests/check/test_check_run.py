@@ -94,7 +94,7 @@ DEATHS = [
     ("CRASH", "run.crash", "crashes with SIGSEGV, while the rule run was tried"),
     pytest.param("ABORT", "run.crash", "crashes with SIGABRT, while the rule run was tried", marks=pytest.mark.slow),
     ("EXIT", "run.crash", "ends the process with the exit code 7, while the rule run was tried"),
-    ("HANG", "run.hang", "has not come back after 2 s, while the rule run was tried"),
+    ("HANG", "run.hang", "has not come back after 1 s, while the rule run was tried"),
 ]
 
 
@@ -103,7 +103,7 @@ def test_an_fmu_that_fails_ends_its_own_process_only(
     fmu_path: Get, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lie: str, rule: str, what: str
 ) -> None:
     monkeypatch.setenv("CHECKED_LIE", lie)
-    report = check(claiming(fmu_path, tmp_path, 3), timeout=2.0 if lie == "HANG" else 60.0)
+    report = check(claiming(fmu_path, tmp_path, 3), timeout=1.0 if lie == "HANG" else 60.0)
     assert [(finding.rule, finding.where) for finding in report.findings] == [(rule, "CoSimulation")]
     assert what in report.findings[0].what
 
