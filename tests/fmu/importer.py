@@ -30,11 +30,14 @@ class Importer:
         self.said: list[str] = []
         """What the FMU has logged."""
 
-        def say(_environment: object, _status: int, _category: bytes, message: bytes) -> None:
-            self.said.append(message.decode())
-
-        self.fmu.instantiate(loggingOn=True, logMessage=say)
+        self.instantiate()
         self.time = 0.0
+
+    def say(self, _environment: object, _status: int, _category: bytes, message: bytes) -> None:
+        self.said.append(message.decode())
+
+    def instantiate(self) -> None:
+        self.fmu.instantiate(loggingOn=True, logMessage=self.say)
 
     def __enter__(self) -> Self:
         return self

@@ -189,6 +189,10 @@ Advance simulation_advance(Simulation *m, double to, double limit, int stop_at_e
         } else if (!simulation_check_assertions(m)) {
             return ADVANCE_FAILED;
         }
+        if (m->intermediate && s->t < to) {
+            m->intermediate(m->log_context);
+            to = fmin(to, m->return_at);
+        }
     }
     return s->terminate ? ADVANCE_TERMINATED : ADVANCE_REACHED;
 }

@@ -8,15 +8,17 @@ enum {
     ANY = BEFORE_INITIALIZATION | INITIALIZATION_MODE | EVENT_MODE | STEP_MODE | CONTINUOUS_TIME_MODE | TERMINATED |
           FAILED,
     NEVER = 0,
+    CALLED_BACK = ANY | INTERMEDIATE_UPDATE,
     /* States that exist in one of the types only do no harm to the other: it is never in them. */
     STARTING = BEFORE_INITIALIZATION | INITIALIZATION_MODE,
     RUNNING = EVENT_MODE | STEP_MODE | CONTINUOUS_TIME_MODE,
     LOOKING = INITIALIZATION_MODE | RUNNING | TERMINATED
 };
 
-static const unsigned char ALLOWED[CALLS][2] = {
+static const unsigned short ALLOWED[CALLS][2] = {
     /*                                     Co-Simulation          Model Exchange */
-    [CALL_ANY_TIME]                     = {ANY,                    ANY},
+    [CALL_ANY_TIME]                     = {CALLED_BACK,            ANY},
+    [CALL_NEW_STATE]                    = {ANY,                    ANY},
     [CALL_SET_UP_EXPERIMENT]            = {BEFORE_INITIALIZATION,  BEFORE_INITIALIZATION},
     [CALL_ENTER_INITIALIZATION]         = {SET_UP,                 SET_UP},
     [CALL_EXIT_INITIALIZATION]          = {INITIALIZATION_MODE,    INITIALIZATION_MODE},
@@ -34,7 +36,7 @@ static const unsigned char ALLOWED[CALLS][2] = {
     [CALL_COMPLETED_STEP]               = {NEVER,                  CONTINUOUS_TIME_MODE},
     [CALL_GET_CONTINUOUS]               = {NEVER,                  LOOKING | FAILED},
     [CALL_GET_SIZES]                    = {NEVER,                  ANY},
-    [CALL_GET_DIRECTIONAL_DERIVATIVES]  = {LOOKING,                LOOKING},
+    [CALL_GET_DIRECTIONAL_DERIVATIVES]  = {LOOKING | INTERMEDIATE_UPDATE, LOOKING},
     [CALL_GET_OUTPUT_DERIVATIVES]       = {STEP_MODE | TERMINATED, NEVER},
     [CALL_TERMINATE]                    = {RUNNING,                RUNNING},
 };

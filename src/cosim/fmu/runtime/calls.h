@@ -19,12 +19,14 @@ enum {
     CONTINUOUS_TIME_MODE = 32, /* Model Exchange */
     TERMINATED = 64,
     FAILED = 128, /* a step or an event has failed: only reset, restoring a state and looking are left */
+    INTERMEDIATE_UPDATE = 256, /* FMI 3.0: the importer is called back inside a step */
     BEFORE_INITIALIZATION = INSTANTIATED | SET_UP
 };
 
 /* One name for what is called alike, or differently, in the versions of FMI. */
 typedef enum {
-    CALL_ANY_TIME, /* logging, reset, reading variables, copies of the state */
+    CALL_ANY_TIME,  /* logging, reading variables */
+    CALL_NEW_STATE, /* reset, copies of the state */
     CALL_SET_UP_EXPERIMENT,
     CALL_ENTER_INITIALIZATION,
     CALL_EXIT_INITIALIZATION,

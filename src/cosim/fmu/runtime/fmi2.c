@@ -171,7 +171,7 @@ fmi2Status fmi2Terminate(fmi2Component c)
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
-    ENTER(CALL_ANY_TIME);
+    ENTER(CALL_NEW_STATE);
     instance_begin(m, m->s.type, INSTANTIATED);
     return fmi2OK;
 }

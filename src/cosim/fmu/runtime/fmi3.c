@@ -12,6 +12,7 @@ typedef struct {
     Simulation sim; /* first: see instance.h */
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log_message;
+    fmi3IntermediateUpdateCallback intermediate_update;
     bool event_mode_used, early_return_allowed;
 } Instance;
 
@@ -27,6 +28,7 @@ const char *instance_mode_name(int mode)
     case SET_UP: return "before Initialization Mode";
     case INITIALIZATION_MODE: return "in Initialization Mode";
     case EVENT_MODE: return "in Event Mode";
+    case INTERMEDIATE_UPDATE: return "in the callback of an intermediate update";
     case STEP_MODE: return "in Step Mode";
     case CONTINUOUS_TIME_MODE: return "in Continuous-Time Mode";
     case TERMINATED: return "after fmi3Terminate";
@@ -74,6 +76,20 @@ static Instance *instantiate(const char *function, fmi3String name, fmi3String t
     return i;
 }
 
+/* The end of a solver's step: it is not taken back, and nothing is set. */
+static void update_intermediately(void *context)
+{
+    Instance *i = context;
+    State *s = &i->sim.s;
+    int mode = s->mode;
+    fmi3Boolean wanted = fmi3False;
+    fmi3Float64 at = s->t;
+    s->mode = INTERMEDIATE_UPDATE;
+    i->intermediate_update(i->environment, s->t, fmi3False, fmi3True, fmi3True, i->early_return_allowed, &wanted, &at);
+    s->mode = mode;
+    if (wanted && i->early_return_allowed) i->sim.return_at = at > s->t ? at : s->t;
+}
+
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
                                          fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
@@ -83,13 +99,15 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate)
 {
+    /* All variables can be read in the callback, so it makes no difference which are wanted. */
     (void)resourcePath, (void)visible, (void)requiredIntermediateVariables, (void)nRequiredIntermediateVariables;
-    (void)intermediateUpdate;
     Instance *i = instantiate(__func__, instanceName, instantiationToken, CO_SIMULATION, loggingOn, instanceEnvironment,
                               logMessage);
     if (!i) return NULL;
     i->event_mode_used = eventModeUsed;
     i->early_return_allowed = earlyReturnAllowed;
+    i->intermediate_update = intermediateUpdate;
+    if (intermediateUpdate) i->sim.intermediate = update_intermediately;
     return i;
 }
 
@@ -179,6 +197,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     /* An importer with Event Mode sees discrete variables change there and nowhere else. If it cannot be given an early
      * return, what happens inside the step is computed at its instant, and shows in Event Mode at the step's end. */
     s->keeping = i->event_mode_used && !i->early_return_allowed;
+    m->return_at = INFINITY;
     Advance outcome = instance_run(m, to, i->event_mode_used && i->early_return_allowed);
     s->keeping = 0;
     bool at_tick = outcome == ADVANCE_REACHED && i->event_mode_used && simulation_time_event_is_due(m);
@@ -199,7 +218,7 @@ fmi3Status fmi3Terminate(fmi3Instance instance)
 
 fmi3Status fmi3Reset(fmi3Instance instance)
 {
-    ENTER(CALL_ANY_TIME);
+    ENTER(CALL_NEW_STATE);
     instance_begin(m, m->s.type, SET_UP);
     return fmi3OK;
 }

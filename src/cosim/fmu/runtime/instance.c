@@ -188,7 +188,7 @@ static const double MOST_AHEAD = 100.0;
 
 Advance instance_run(Simulation *m, double to, bool stop_at_events)
 {
-    while (m->s.t < to) {
+    while (m->s.t < to && !(m->intermediate && m->s.t >= m->return_at)) {
         if (m->s.terminate) return ADVANCE_TERMINATED;
         if (simulation_time_event_is_due(m) && !simulation_event(m, 1, NULL)) return ADVANCE_FAILED;
         double tick = simulation_next_time_event(m);

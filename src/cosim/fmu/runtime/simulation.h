@@ -113,6 +113,10 @@ typedef struct {
     void (*log)(void *log_context, LogKind kind, const char *text);
     void *log_context;
     int log_events;
+    /* If not NULL, called at the end of each of the solver's steps inside a communication step; it may set return_at, at
+     * which the communication step ends early. */
+    void (*intermediate)(void *log_context);
+    double return_at;
     char message[1024];
 } Simulation;
 

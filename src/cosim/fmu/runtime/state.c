@@ -27,7 +27,7 @@ static uint64_t hash(const void *data, size_t size)
 }
 
 #define ENTER                                                        \
-    Simulation *m = instance_entering(instance, CALL_ANY_TIME, function); \
+    Simulation *m = instance_entering(instance, CALL_NEW_STATE, function); \
     if (!m) return STATUS_ERROR
 
 int instance_save(void *instance, const char *function, void **state)
