@@ -35,7 +35,7 @@ from cosim.engine._execution import Job, execute, instantiated
 from cosim.engine._plan import lay_out
 from cosim.engine._record import Record
 from cosim.errors import CosimError, FmuError, InputError, SimulationError
-from cosim.fmu import provenance
+from cosim.fmu import catalogue, provenance
 from cosim.worker import dismiss
 
 Get = Callable[..., Fmu]
@@ -513,10 +513,10 @@ def test_auto_isolates_what_was_not_built_here(
     monkeypatch.setattr(provenance, "_folder", lambda: tmp_path / "built")
     path = fmu_path("crash", 3)
     assert ": crashed in fmi3DoStep, " in str(crash(fmu("crash"), "DoStep abort", isolate="auto"))  # type: ignore[arg-type]
-    assert not provenance.is_own(path, fmu("crash").sha256)
+    assert not catalogue.is_own(path, fmu("crash").sha256)
     provenance.remember(path)
-    assert provenance.is_own(path, fmu("crash").sha256)
+    assert catalogue.is_own(path, fmu("crash").sha256)
     changed = tmp_path / "changed.fmu"
     changed.write_bytes(path.read_bytes() + b"\0")
     with Fmu.read(changed) as other:
-        assert not provenance.is_own(changed, other.sha256)
+        assert not catalogue.is_own(changed, other.sha256)

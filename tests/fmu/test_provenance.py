@@ -35,11 +35,11 @@ def test_a_file_is_known_by_its_bytes_wherever_it_lies(tmp_path: Path) -> None:
     built.write_bytes(b"content")
     moved.write_bytes(b"content")
     changed.write_bytes(b"contenT")
-    assert not provenance.is_own(built, digest(built))
+    assert not catalogue.is_own(built, digest(built))
     provenance.remember(built)
-    assert provenance.is_own(built, digest(built))
-    assert provenance.is_own(moved, digest(moved))
-    assert not provenance.is_own(changed, digest(changed))
+    assert catalogue.is_own(built, digest(built))
+    assert catalogue.is_own(moved, digest(moved))
+    assert not catalogue.is_own(changed, digest(changed))
 
 
 def test_one_of_the_catalogue_is_known_if_it_is_up_to_date_and_where_such_are_built(
@@ -55,7 +55,7 @@ def test_one_of_the_catalogue_is_known_if_it_is_up_to_date_and_where_such_are_bu
         ("fmus", "LinkagePlant.fmu", current, True),
     ):
         path = fake(tmp_path / folder / name, build_hash)
-        assert provenance.is_own(path, digest(path)) is known
+        assert catalogue.is_own(path, digest(path)) is known
     assert [note.name for note in empty_notes.iterdir()] == [digest(tmp_path / "fmus" / "LinkagePlant.fmu")]
 
 
@@ -64,4 +64,4 @@ def test_where_nothing_can_be_noted_files_are_foreign(tmp_path: Path, empty_note
     path = tmp_path / "a.fmu"
     path.write_bytes(b"content")
     provenance.remember(path)
-    assert not provenance.is_own(path, digest(path))
+    assert not catalogue.is_own(path, digest(path))

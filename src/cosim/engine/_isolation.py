@@ -37,7 +37,7 @@ def is_isolated(isolate: Isolate, system: System) -> bool:
         raise InputError(f"isolate is {isolate!r}; it can be {', '.join(get_args(Isolate))}")
     if isolate != "auto":
         return isolate == "always"
-    from cosim.fmu.provenance import is_own
+    from cosim.fmu.catalogue import is_own
 
     return not all(is_own(fmu.path, fmu.sha256) for fmu in {component.fmu for component in system.components})
 

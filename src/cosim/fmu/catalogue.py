@@ -17,6 +17,7 @@ from pathlib import Path
 from cosim import __version__
 from cosim.archive import Archive
 from cosim.errors import FmuError, InputError
+from cosim.fmu import provenance
 from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
 
 _PACKAGE = Path(__file__).parents[1]
@@ -117,6 +118,16 @@ def entry_of(name: str) -> CatalogueEntry:
         f"no built-in plant or controller '{name}'{hint}; built in are {', '.join(known)}; "
         "an FMU of your own is given by its path, ending in .fmu"
     )
+
+
+def is_own(path: Path, sha256: str) -> bool:
+    """Tell whether a file with this content has been built here, or is one of the catalogue that is up to date."""
+    if provenance.is_known(sha256):
+        return True
+    if not has(path):
+        return False
+    provenance.note(sha256)
+    return True
 
 
 def has(path: Path) -> bool:

@@ -9,22 +9,16 @@ from pathlib import Path
 
 def remember(path: Path) -> None:
     """Note that this project has just built this file."""
-    _note(hashlib.sha256(path.read_bytes()).hexdigest())
+    note(hashlib.sha256(path.read_bytes()).hexdigest())
 
 
-def is_own(path: Path, sha256: str) -> bool:
-    """Tell whether this project has built a file with this content here, or has it in its catalogue, up to date."""
-    if (_folder() / sha256).is_file():
-        return True
-    from cosim.fmu import catalogue
-
-    if catalogue.has(path):
-        _note(sha256)
-        return True
-    return False
+def is_known(sha256: str) -> bool:
+    """Tell whether a file with this content has been built here."""
+    return (_folder() / sha256).is_file()
 
 
-def _note(sha256: str) -> None:
+def note(sha256: str) -> None:
+    """Note that a file with this content is one of this project's."""
     with suppress(OSError):  # one that is not known here is only treated with more care
         _folder().mkdir(parents=True, exist_ok=True)
         (_folder() / sha256).touch()

@@ -14,7 +14,7 @@ from cosim.worker._nursery import BORN, ENDED, nursery
 from cosim.worker._shared import Shared
 
 if TYPE_CHECKING:
-    from cosim.worker._process import Transport
+    from cosim.worker._transport import Transport
 
 
 class Forked:

@@ -9,33 +9,16 @@ import sys
 import time
 from collections.abc import Callable
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Self
 
 from cosim.worker import _nursery
 from cosim.worker._child import working_folder
 from cosim.worker._death import Death
 from cosim.worker._shared import Shared
+from cosim.worker._transport import Transport
 
 _PRELOAD = "cosim.engine._isolation"
 """The module that a worker loads before it gets its job, so that it has no need to then; it has ``get_ready``."""
-
-
-class Transport(Protocol):
-    """How a worker is started and heard of, which depends on the system."""
-
-    @property
-    def answer(self) -> bytes | None: ...
-
-    @property
-    def death(self) -> Death | None: ...
-
-    def send(self, content: bytes) -> None: ...
-
-    def wait(self, seconds: float) -> None: ...
-
-    def kill(self) -> None: ...
-
-    def close(self) -> None: ...
 
 
 class Worker:

@@ -17,7 +17,7 @@ from cosim.worker._nursery import interpreter
 from cosim.worker._shared import Shared
 
 if TYPE_CHECKING:
-    from cosim.worker._process import Transport
+    from cosim.worker._transport import Transport
 
 _BOOT = "import sys; sys.path[:] = {{path}}; from cosim.worker._spawned import main; main({reference!r}, {preload!r})"
 _NO_ERROR_BOXES = 0x1 | 0x2 | 0x8000
