@@ -16,7 +16,7 @@ pytestmark = pytest.mark.skipif(not shutil.which("gcc") or sys.platform != "linu
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
 DRIVER = HERE / "fuzz"
 SAMPLES = sorted(path.stem for path in (HERE / "models").glob("*.c"))
-QUICK = (("sampler", 2), ("sampler", 3), ("faults", 3))
+QUICK = (("sampler", 2), ("faults", 3))
 ALL = [
     pytest.param(name, fmi, marks=[] if (name, fmi) in QUICK else pytest.mark.slow)
     for name in SAMPLES
