@@ -17,6 +17,7 @@ import pytest
 from cosim.archive import MOST_MEMBERS, Archive
 from cosim.engine import Fmu
 from cosim.errors import FmuError
+from cosim.foreign import read_description
 
 XML = b'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="2.0" modelName="x" guid="x"/>'
 
@@ -97,9 +98,17 @@ HOSTILE: dict[str, tuple[Callable[[], bytes], str]] = {
     "absolute": (lambda: packed(("/etc/passwd", b"")), f"{NOTHING}/etc/passwd has an absolute path"),
     "drive": (lambda: packed(("C:/evil.dll", b"")), f"{NOTHING}C:/evil.dll has a drive letter in its path"),
     "share": (lambda: packed(("//server/share/x", b"")), f"{NOTHING}//server/share/x has an absolute path"),
-    "backslash": (
-        lambda: packed(("resources\\x.txt", b"")),
-        rf"{NOTHING}resources\\x.txt has backslashes in its path; pack it with forward slashes",
+    "traversal with backslashes": (
+        lambda: packed(("resources\\..\\..\\evil", b"")),
+        rf"{NOTHING}resources\\..\\..\\evil leads out of the folder it is unpacked to",
+    ),
+    "share with backslashes": (
+        lambda: packed(("\\\\server\\share\\x", b"")),
+        rf"{NOTHING}\\\\server\\share\\x has an absolute path",
+    ),
+    "one file by two names": (
+        lambda: packed(("resources/x.txt", b""), ("resources\\x.txt", b"")),
+        rf"{NOTHING}resources\\x.txt is in it twice",
     ),
     "control": (
         lambda: packed(("resources/x\n.txt", b"")),
@@ -170,12 +179,12 @@ def test_a_real_bomb_is_refused(tmp_path: Path) -> None:
 
 def test_all_dangers_are_known_to_the_check(tmp_path: Path) -> None:
     path = tmp_path / "x.fmu"
-    path.write_bytes(packed(("../a", b""), ("/b", b""), ("C:/c", b""), ("d\\e", b""), ("../f", b"")))
+    path.write_bytes(packed(("../a", b""), ("/b", b""), ("C:/c", b""), ("d/e", b""), ("d\\e", b""), ("../f", b"")))
     assert [danger.id for danger in Archive.inspect(path).dangers] == [
         "traversal",
         "absolute",
         "drive",
-        "backslash",
+        "duplicate",
         "traversal",
     ]
     assert refusal(path).endswith("C:/c has a drive letter in its path; and 2 more")
@@ -210,6 +219,16 @@ def test_names_with_a_dot_in_front_are_harmless(tmp_path: Path) -> None:
     assert archive.read("resources/a.txt") == b"a"
     archive.extract(tmp_path / "there", ("resources/",))
     assert [p.name for p in (tmp_path / "there").rglob("*")] == ["resources", "a.txt"]
+
+
+def test_names_with_backslashes_are_harmless(tmp_path: Path) -> None:
+    (tmp_path / "x.fmu").write_bytes(packed(("resources\\deep\\a.txt", b"a"), ("resources\\empty\\", b"")))
+    archive = Archive.open(tmp_path / "x.fmu")
+    assert archive.backslashed
+    assert archive.read("resources/deep/a.txt") == b"a"
+    archive.extract(tmp_path / "there", ("resources/",))
+    assert [p.name for p in (tmp_path / "there").rglob("*")] == ["resources", "deep", "a.txt"]
+    assert "its files are packed with backslashes in their names" in [a.text for a in read_description(archive).amiss]
 
 
 def test_a_packed_folder_instead_of_its_content(tmp_path: Path) -> None:

@@ -18,7 +18,8 @@ class Archive:
     """An archive that was read whole, so that nobody can change it between the check and the unpacking.
 
     ``path`` is the file, ``sha256`` its hash, ``size`` its length [bytes], ``sizes`` the unpacked sizes [bytes] of its
-    files by name, ``dangers`` why it must not be unpacked, ``dotted`` whether names begin with "./".
+    files by name, ``dangers`` why it must not be unpacked, ``dotted`` whether names begin with "./",
+    ``backslashed`` whether they have backslashes.
     """
 
     def __init__(self, path: Path, content: bytes, kind: str) -> None:
@@ -33,7 +34,9 @@ class Archive:
         self._kind = kind
         members = self._zip.infolist()
         self.dangers: list[Danger] = dangers(members, len(content))
-        self.dotted = any(member.orig_filename.startswith("./") for member in members)
+        names = [member.orig_filename for member in members]
+        self.dotted = any(name.startswith("./") for name in names)
+        self.backslashed = any("\\" in name for name in names)
         self._members = {cleaned(member.filename): member for member in members if not is_folder(member)}
         self.sizes = {name: member.file_size for name, member in self._members.items()}
 

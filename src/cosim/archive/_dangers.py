@@ -1,7 +1,8 @@
 """What makes a zip archive dangerous to unpack, told from its directory alone.
 
 An FMU is a zip archive as ISO/IEC 21320-1 restricts it (FMI 3.0, section 2.5): stored or deflated members, not
-encrypted, on one volume; and names are relative, with forward slashes (PKWARE's APPNOTE, 4.4.17).
+encrypted, on one volume; and names are relative, with forward slashes (PKWARE's APPNOTE, 4.4.17). Some tools write
+backslashes (modelica/fmi-cross-check issue 43); they are read as what they mean.
 """
 
 from __future__ import annotations
@@ -43,7 +44,11 @@ def dangers(members: Sequence[zipfile.ZipInfo], packed: int) -> list[Danger]:
 
 
 def cleaned(name: str) -> str:
-    """Return a member's name without the "./" that some tools put in front; harmless, but not sanctioned."""
+    """Return a member's name with forward slashes, and without the "./" that some tools put in front.
+
+    Both faults are harmless once they are mended: all rules look at the name as it is then, and so it is unpacked.
+    """
+    name = name.replace("\\", "/")
     while name.startswith("./"):
         name = name[2:]
     return name
@@ -51,7 +56,7 @@ def cleaned(name: str) -> str:
 
 def is_folder(member: zipfile.ZipInfo) -> bool:
     """Tell whether a member is a folder; zipfile's own function fails if the name is empty."""
-    return member.filename.endswith("/")
+    return cleaned(member.filename).endswith("/")
 
 
 def _of_names(members: Sequence[zipfile.ZipInfo]) -> Iterator[Danger]:
@@ -60,14 +65,13 @@ def _of_names(members: Sequence[zipfile.ZipInfo]) -> Iterator[Danger]:
     for member in members:
         name = member.orig_filename
         shown = ascii(name)[1:-1]
-        parts = cleaned(name).split("/")
-        if "\\" in name:
-            yield Danger("backslash", shown, "has backslashes in its path; pack it with forward slashes")
-        elif not cleaned(name) or _CONTROL.search(name):
+        plain = cleaned(name)
+        parts = plain.split("/")
+        if not plain or _CONTROL.search(plain):
             yield Danger("name", shown, "has no name, or control characters in it")
-        elif name.startswith("/"):
+        elif plain.startswith("/"):
             yield Danger("absolute", shown, "has an absolute path")
-        elif _DRIVE.search(name):
+        elif _DRIVE.search(plain):
             yield Danger("drive", shown, "has a drive letter in its path")
         elif ".." in parts:
             yield Danger("traversal", shown, "leads out of the folder it is unpacked to")

@@ -19,8 +19,8 @@ def _dangers(archive: Archive, *kinds: str) -> Iterator[Found]:
 
 @ARCHIVE_RULES("archive.path", Severity.ERROR)
 def path(archive: Archive) -> Iterator[Found]:
-    """Every path in the archive is relative, stays in its folder, and has forward slashes and no control characters."""
-    yield from _dangers(archive, "backslash", "name", "absolute", "drive", "traversal")
+    """Every path in the archive is relative, stays in its folder, and has no control characters."""
+    yield from _dangers(archive, "name", "absolute", "drive", "traversal")
 
 
 @ARCHIVE_RULES("archive.duplicate", Severity.ERROR)

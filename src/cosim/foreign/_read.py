@@ -50,6 +50,8 @@ def read_description(archive: Archive) -> Reading:
     told = [f"{NAME} {what}" for what in amiss] + [f"{SOURCES} {what}" for what in amiss_there]
     if archive.dotted:
         told.append("its files are packed with './' in front of their names")
+    if archive.backslashed:
+        told.append("its files are packed with backslashes in their names")
     found = [Amiss("vendor", what) for what in told]
     try:
         root = etree.fromstring(xml, etree.XMLParser(remove_comments=True, remove_pis=True))
