@@ -8,12 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static Held held(const State *s)
-{
-    Held h = {s->u, s->p, s->d, s->c};
-    return h;
-}
-
 void simulation_reset(Simulation *m)
 {
     State *s = &m->s;
@@ -34,6 +28,12 @@ void simulation_changed(Simulation *m, int parameters)
 }
 
 #if !MODEL_HAS_FIXED_STEP
+static Held held(const State *s)
+{
+    Held h = {s->u, s->p, s->d, s->c};
+    return h;
+}
+
 static double smallest_step(const State *s)
 {
     return 1e-14 * fmax(1.0, fabs(s->t));
