@@ -8,12 +8,15 @@ from typing import Annotated, Literal
 
 import typer
 
+from cosim.cli._options import Json, Quiet
 from cosim.cli._screen import Screen, reporting, warned
 
 app = typer.Typer(
-    name="measurements", help="Show measured torque, or make stand-in data for it.", no_args_is_help=True,
+    name="measurements",
+    help="Show measured torque, or make stand-in data for it.",
+    no_args_is_help=True,
     rich_markup_mode=None,
-)  # fmt: skip
+)
 
 
 @app.command(name="show")
@@ -25,8 +28,8 @@ def show_command(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Draw each one here, smoothed by both methods.")
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout instead of text.")] = False,
+    quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Show what measurements hold, where the motion begins by each method, and what was wrong with the files."""
     screen = Screen(quiet=quiet, as_json=as_json)
@@ -44,8 +47,8 @@ def synthesize_command(
         Literal["naive", "simple"],
         typer.Option(help="Law of the load: the source's naive one, or equation 3.1, which a fit assumes."),
     ] = "naive",
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout instead of text.")] = False,
+    quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Write eight workbooks in the supplier's layout, computed with known parameters and marked as synthetic."""
     screen = Screen(quiet=quiet, as_json=as_json)
