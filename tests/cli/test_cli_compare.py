@@ -104,6 +104,84 @@ def test_the_verdict_gives_the_exit_code(cosim: Cosim, result: Path) -> None:
     assert wide.exit_code == 0
 
 
+def test_the_tube_is_as_high_as_its_quantity_says(cosim: Cosim, result: Path) -> None:
+    path = Path("i.csv")
+    rows = [f"{t!r},{v!r}" for t, v in zip(TIME.tolist(), (torque(TIME) + 0.5).tolist(), strict=True)]
+    path.write_text("\n".join(["time,current [A]", *rows]) + "\n")
+    common = ("compare", result, path, "--no-plots", "--require", "--set", "tube_y_relative=0", "--set")
+    assert cosim(*common, "tube_y=600 mA", "--set", "quantity=current", "--set", "tube_x=0").exit_code == 0
+    assert cosim(*common, "tube_y=400 mA", "--set", "quantity=current", "--set", "tube_x=0").exit_code == 1
+    done = cosim(*common, "tube_y=1 N.m", "--set", "quantity=current")
+    assert (done.exit_code, done.stderr) == (2, "error: --set tube_y=1 N.m: tube_y is in A\n")
+
+
+def test_a_workbook_whose_torque_does_not_begin_at_zero(cosim: Cosim, result: Path) -> None:
+    """The script subtracts the torque at the onset, -a/b of the line for a motor that stands still."""
+    import openpyxl
+
+    b, a = 0.125, 0.5
+    before = 200
+    current = np.concatenate((np.zeros(before), b * (torque(TIME) + 4.0) + a))
+    book = openpyxl.Workbook(write_only=True)
+    sheet = book.create_sheet("Data")
+    for k, amperes in enumerate(current.tolist()):
+        lines = [(b, -0.4), (a, 50.0)][k] if k < 2 else (None, None)
+        sheet.append([24.0, k, amperes, None, None, None, amperes, None, None, lines[0], None, None, lines[1]])
+    book.save("x.xlsx")
+    difference = -a / b
+    common = ("compare", result, "x.xlsx", "--no-plots", "--set", "start=0.1 s")
+    done = cosim(*common)
+    assert done.exit_code == 0, done.output
+    assert "by the workbook's line it is -4 N.m there, which torque_zero=line takes into account" in done.stdout
+    assert document(result)["offset_nm"] == pytest.approx(difference - 4.0, abs=0.1)
+    done = cosim(*common, "--set", "torque_zero=line")
+    assert "takes into account" not in done.stdout
+    assert document(result)["offset_nm"] == pytest.approx(-4.0, abs=0.1)
+    done = cosim("compare", result, measured(Path("m.csv")), "--set", "torque_zero=line", "--no-plots")
+    assert done.exit_code == 0 and document(result)["bias_nm"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_results_in_csv_and_a_column_by_option(cosim: Cosim, result: Path, tmp_path: Path) -> None:
+    rows = [f"{t!r},{v!r}" for t, v in zip(TIME.tolist(), torque(TIME).tolist(), strict=True)]
+    (tmp_path / "run.csv").write_text("\n".join(["time [s],plant.tau_crank [N.m]", *rows]) + "\n")
+    Path("m.csv").write_text("\n".join(["time,shaft", *rows]) + "\n")
+    done = cosim("compare", "run.csv", "m.csv", "--no-plots")
+    assert (done.exit_code, done.stderr) == (
+        2,
+        "error: m.csv: no column for the torque or current among time, shaft; say which it is: write '# torque: time' "
+        "above the header, or --measured-column 'torque=time'\n",
+    )
+    for run in ("run.csv", result / "results.parquet"):
+        done = cosim("compare", run, "m.csv", "--measured-column", "torque=shaft", "--no-plots", "--out", "there")
+        assert done.exit_code == 0, done.output
+        assert document(Path("there"))["rmse_nm"] == pytest.approx(0.0, abs=1e-12)
+    done = cosim("compare", "run.csv", "m.csv", "--measured-column", "torque")
+    assert done.stderr == ("error: --measured-column torque: write quantity=name, such as --measured-column torque=M\n")
+
+
+@pytest.mark.parametrize("kind", ["mat", "mf4"])
+def test_other_kinds_of_measurements(cosim: Cosim, result: Path, kind: str) -> None:
+    if kind == "mat":
+        from scipy.io import savemat
+
+        savemat("x.mat", {"t": TIME, "T": torque(TIME)})
+    else:
+        asammdf = pytest.importorskip("asammdf")
+        with asammdf.MDF() as mdf:
+            mdf.append([asammdf.Signal(1000.0 * torque(TIME), TIME, name="torque", unit="mN.m")])
+            mdf.save("x.mf4")
+    done = cosim("compare", result, f"x.{kind}", "--no-plots", "--require", "--limit", "rmse_nm=1e-9")
+    assert done.exit_code == 0, done.output
+
+
+def test_pictures_of_files_with_the_same_name(cosim: Cosim, result: Path) -> None:
+    for folder in ("a", "b"):
+        Path(folder).mkdir()
+        measured(Path(folder, "m.csv"))
+    assert cosim("compare", result, "a/m.csv", "b/m.csv").exit_code == 0
+    assert sorted(path.name for path in result.glob("*.png")) == ["comparison_m.png", "comparison_m_2.png"]
+
+
 def test_several_measurements_and_where_the_files_go(cosim: Cosim, result: Path, tmp_path: Path) -> None:
     paths = [measured(Path("dry glass cold motor ls.csv")), measured(Path("m.csv"), gain=1.1, synthetic=True)]
     done = cosim("compare", result, *paths, "--out", tmp_path / "there", "--json")

@@ -58,9 +58,36 @@ def test_coherence_of_what_is_the_same_but_for_noise_above_a_frequency() -> None
     common = rng.standard_normal(40000)
     high = butter(8, 8.0, "high", fs=100.0, output="sos")
     pair = Pair(np.arange(40000) / 100.0, common, common + 30.0 * sosfiltfilt(high, rng.standard_normal(40000)))
-    frequencies, values = measures.coherence(pair, 20.0)
-    assert values[(frequencies > 0.1) & (frequencies < 3.0)].min() > 0.95  # each segment loses its mean
-    assert values[frequencies > 10.0].mean() < 0.25
+    found = measures.spectrum(pair, 20.0)
+    assert found.coherence[(found.frequency > 0.1) & (found.frequency < 3.0)].min() > 0.95  # each loses its mean
+    assert found.coherence[found.frequency > 10.0].mean() < 0.25
+    assert found.frequency.max() <= 20.0
+
+
+def test_the_spectrum_holds_the_variance() -> None:
+    """Parseval: the integral of the power spectral density; a sine of amplitude a has a^2/2, wherever it lies."""
+    time = np.arange(9000) / 50.0
+    for frequency in (1.0, 1.003, 4.71):
+        pair = Pair(time, 3.0 * np.sin(2 * np.pi * frequency * time), np.sin(2 * np.pi * frequency * time + 1.0))
+        found = measures.spectrum(pair, 25.0)
+        step = found.frequency[1]
+        assert found.result.sum() * step == pytest.approx(4.5, rel=1e-2)
+        assert found.measured.sum() * step == pytest.approx(0.5, rel=1e-2)
+        assert found.mean_coherence() == pytest.approx(1.0, abs=1e-4)
+
+
+def test_noise_beside_a_tone_does_not_hide_that_the_tone_is_the_same() -> None:
+    """Weighted by the measurement's power; the noise of the result lies where the measurement has none."""
+    time = np.arange(20000) / 100.0
+    tone = np.sin(2 * np.pi * 0.7531 * time)
+    noise = 0.05 * np.random.default_rng(7).standard_normal(len(time))
+    assert measures.spectrum(Pair(time, tone + noise, tone), 50.0).mean_coherence() > 0.99
+    assert np.isnan(measures.spectrum(Pair(time, tone, np.zeros(len(time))), 50.0).mean_coherence())
+
+
+def test_too_few_samples_have_no_spectrum() -> None:
+    pair = Pair(np.arange(30.0), np.arange(30.0), np.arange(30.0))
+    assert not len(measures.spectrum(pair, 1.0).frequency)
 
 
 def wave(time: np.ndarray) -> np.ndarray:
@@ -88,6 +115,31 @@ def test_of_two_periods_of_a_steady_motion_the_nearer_one_counts() -> None:
     time = np.arange(0.0, 20.0, 0.01)
     result, measured = Curve("r", time, np.sin(np.pi * time)), Curve("m", time, np.sin(np.pi * (time - 0.6)))
     assert correlation_lag(result, measured) == pytest.approx(0.6, abs=1e-9)
+
+
+@pytest.mark.parametrize("step", [0.001, 0.02])
+def test_runs_and_workbooks_that_begin_with_the_onset(step: float) -> None:
+    """The workbook is cut there, the run begins there; another time stood still for 0.6 s."""
+    time = np.arange(0.0, 12.0, step)
+    at_once = Curve("r", time, 0.3 * wave(time + 1.0))
+    fine = np.arange(0.0, 12.0, 0.002)
+    assert abs(find_lag(at_once, Curve("m", fine, wave(fine + 1.0)), "onset")) <= max(step, 0.002)
+    assert find_lag(at_once, Curve("m", fine, wave(fine + 0.4)), "onset") == pytest.approx(0.6, abs=max(step, 0.002))
+
+
+def test_over_the_angle_what_720_samples_cannot_show_is_left_out() -> None:
+    time = np.arange(0.0, 12.0, 0.0001)
+    angle = 3.0 * time
+    ripple = np.cos(719.0 * angle)  # would look like one period a revolution
+    found = over_angle(Curve("a", time, np.cos(2 * angle) + ripple, angle))
+    inner = slice(POINTS // 4, -POINTS // 4)
+    np.testing.assert_allclose(found.values[inner], np.cos(4 * np.pi * found.time)[inner], atol=5e-3)
+
+
+def test_a_crank_that_creeps_most_of_the_time() -> None:
+    time = np.arange(0.0, 100.0, 0.01)
+    angle = np.where(time < 80.0, 1e-13 * time, 3.0 * (time - 80.0))
+    assert np.isfinite(over_angle(Curve("a", time, np.sin(angle), angle)).values).all()
 
 
 def test_nothing_to_align() -> None:

@@ -79,6 +79,15 @@ def test_a_mat_file_that_lacks_something(tmp_path: Path, version: str) -> None:
         assert str(caught.value).startswith(f"{path}: {message}")
 
 
+@pytest.mark.parametrize("version", ["5", "7.3"])
+def test_a_mat_file_knows_what_the_script_has_subtracted(tmp_path: Path, version: str) -> None:
+    book = read(write(tmp_path / "x.xlsx", made_up()))
+    mat = read(saved(version, tmp_path / "x.mat"))
+    assert mat.meta["torque_at_onset"] == pytest.approx(book.meta["torque_at_onset"], abs=1e-12)
+    later = saved(version, tmp_path / "y.mat", t=7.0 + book.values("time")[:, None])
+    np.testing.assert_allclose(read(later).values("time"), book.values("time"), atol=1e-12)
+
+
 CSV = """\
 # glass: wet
 # motor: warm
@@ -122,15 +131,20 @@ def test_a_result_of_a_run_reads_as_a_measurement(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("", ": an empty file; expected a header such as 'time [s],torque [N.m]' and rows below it"),
-        ("time,x\n0,1\n1,2\n", ": no column for the torque or current among time, x; say which it is, such as --column "
-         "torque='time'"),
-        ("a,torque\n0,1\n", ": no column for the time among a, torque; say which it is, such as --column time='a'"),
+        ("time,x\n0,1\n1,2\n", ": no column for the torque or current among time, x; say which it is: write "
+         "'# torque: time' above the header, or --measured-column 'torque=time'"),
+        ("a,torque\n0,1\n", ": no column for the time among a, torque; say which it is: write '# time: a' "
+         "above the header, or --measured-column 'time=a'"),
         ("time,torque [V]\n0,1\n1,2\n", ":1:2: the torque is in V: "),
         ("time,torque\n0,1\n1,x\n", ":3:2: 'x' in column 'torque' is not a number; "),
         ("time,torque\n0,1\n1,2\n0.5,2\n", ":4: the row has the time 0.5 s after 1 s; 'time' must increase"),
         ("time,torque\n0,1\n,2\n", ":3: the row has no time; 'time' must increase from row to row"),
         ("time,torque\n0,1\n", ":1: 1 rows are too few; at least two are needed"),
         ("# torque: M\ntime,torque\n0,1\n1,2\n", ": no column 'M' for the torque; there are time, torque"),
+        ("time,a.torque,b.torque\n0,1,1\n1,2,2\n", ": 'a.torque' and 'b.torque' may both be the torque; say which it "
+         "is: write '# torque: a.torque' above the header, or --measured-column 'torque=a.torque'"),
+        ("# glass: damp\ntime,torque\n0,1\n1,2\n", ":1: glass: there is no 'damp'; accepted are dry, wet"),
+        ("#synthetic: maybe\ntime,torque\n0,1\n1,2\n", ":1: synthetic: there is no 'maybe'; accepted are true, false"),
         ("# torque: a\ntime,a,a\n0,1,1\n1,2,2\n", ": several columns are called 'a'"),
     ],
 )  # fmt: skip
@@ -162,6 +176,25 @@ def test_mdf(tmp_path: Path) -> None:
     np.testing.assert_allclose(measurement.speed(), 2 * np.pi * time, rtol=1e-12)
     with pytest.raises(InputError, match=r"x.mf4: no channel 'M'; there are Motor torque, plant.i_motor, speed"):
         read(path, columns={"torque": "M"})
+
+
+def test_gaps_and_empty_channels_of_mdf(tmp_path: Path) -> None:
+    asammdf = pytest.importorskip("asammdf")
+    time, torque = np.arange(5) / 10.0, np.array([0.0, 1.0, np.nan, 3.0, 4.0])
+
+    def written(name: str, *signals: object) -> Path:
+        with asammdf.MDF() as mdf:
+            for signal in signals:
+                mdf.append([signal])
+            return Path(mdf.save(tmp_path / name))
+
+    path = written("gap.mf4", asammdf.Signal(torque, time, name="torque"))
+    with pytest.warns(MeasurementWarning, match=r"gap.mf4: the torque is missing at 0.2 s: not a number there"):
+        np.testing.assert_array_equal(read(path).values("torque"), torque)
+    nothing = asammdf.Signal(np.empty(0), np.empty(0), name="speed")
+    path = written("none.mf4", asammdf.Signal(time, time, name="torque"), nothing)
+    with pytest.raises(InputError, match=r"none.mf4: the channel 'speed' has no samples"):
+        read(path)
 
 
 def test_the_columns_of_a_workbook_are_fixed(tmp_path: Path) -> None:

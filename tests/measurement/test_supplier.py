@@ -217,6 +217,82 @@ def test_missing_samples_keep_their_time(tmp_path: Path) -> None:
     assert np.diff(measurement.values("time")).max() == pytest.approx(0.016)
 
 
+def test_the_torque_that_has_been_subtracted_is_kept(tmp_path: Path) -> None:
+    """The source makes the torque zero at the onset, where its line gives about -a/b if the motor stands still."""
+    columns = made_up()
+    path = write(tmp_path / "x.xlsx", columns)
+    for onset in ("threshold", "correlation", "none"):
+        measurement = quietly(path, onset=onset)
+        by_the_line = (measurement.values("current") - TP[1]) / TP[0]
+        restored = measurement.values("torque") + measurement.meta["torque_at_onset"]
+        np.testing.assert_allclose(restored, by_the_line, rtol=0, atol=1e-12)
+
+
+def changed(path: Path, cells: dict[str, object]) -> Path:
+    """A good workbook with some other cells; its first row of numbers is row 2."""
+    import openpyxl
+
+    write(path, made_up(400, 150))
+    book = openpyxl.load_workbook(path)
+    for place, value in cells.items():
+        book.active[place] = value
+    book.save(path)
+    return path
+
+
+def test_merged_titles_units_dates_and_empty_rows_do_no_harm(tmp_path: Path) -> None:
+    import datetime
+
+    import openpyxl
+
+    columns = made_up(400, 150)
+    path = write(tmp_path / "x.xlsx", columns)
+    book = openpyxl.load_workbook(path)
+    sheet = book.active
+    sheet.insert_rows(1, 3)
+    sheet["A1"], sheet["E1"], sheet["A3"] = "Prüfstand", datetime.date(2019, 3, 1), "[V]"
+    sheet.merge_cells("A1:C1")
+    sheet["G420"] = " "
+    book.save(path)
+    agrees(read(path), columns)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({f"G{k}": f"=C{k}" for k in range(2, 402)}, "column G has no numbers; if it has formulas, save the workbook"),
+        (
+            {f"G{k}": "1,5" for k in range(2, 402)},
+            "column G has no numbers but text such as G2 ('1,5'); turn it into numbers in the spreadsheet",
+        ),
+        (
+            {"B1": 500},
+            "J1 has 'Tp'; the slope of current over torque is expected there, row 1 being the first one with a number",
+        ),
+        (
+            {"A402": "mean", "G402": 3.0},
+            "column B has no sample index in row 402; delete rows at the beginning or end that are no samples",
+        ),
+        ({"G50": 1e300}, "G50 has 1e+300; no measured value is that large"),
+        ({"J2": 1e-300}, "the lines of columns J and M, 1e-300 and 0.82, -0.42 and 36.5, are not those of a motor"),
+        (
+            {"XFD1048576": 1},
+            "xl/worksheets/sheet1.xml has a cell XFD1048576, far from the layout's A1:N50001; delete the rows and",
+        ),
+    ],
+)  # fmt: skip
+def test_odd_workbooks_are_refused_with_place_and_remedy(
+    tmp_path: Path, changes: dict[str, object], message: str
+) -> None:
+    assert refused(changed(tmp_path / "x.xlsx", changes)).startswith(f"{tmp_path / 'x.xlsx'}: {message}")
+
+
+def test_cells_beyond_the_last_column_are_not_left_out_in_silence(tmp_path: Path) -> None:
+    path = changed(tmp_path / "x.xlsx", {"P3": 1, "P4": "x"})
+    with pytest.warns(MeasurementWarning, match="2 rows have cells right of column N, which are not read"):
+        read(path)
+
+
 def test_what_is_no_workbook(tmp_path: Path) -> None:
     import openpyxl
 

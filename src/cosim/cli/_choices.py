@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import Field, fields
+from pathlib import Path
 from typing import Any, TypeVar
 
 from cosim.assessment import Method, Rules
-from cosim.comparison import Options
+from cosim.comparison import OF_THE_QUANTITY, SIGNALS, Options
 from cosim.errors import InputError
-from cosim.units import compatible, convert, parse, quantity
+from cosim.units import Unit, compatible, convert, parse, quantity
 
 Choices = TypeVar("Choices", Rules, Method, Options)
 
@@ -18,17 +20,26 @@ def choices(kind: type[Choices], settings: Sequence[str]) -> Choices:
     """Return the dataclass with what ``--set name=value`` says; numbers carry units, as in scenario files."""
     known: dict[str, Field[Any]] = {entry.name: entry for entry in fields(kind)}
     given: dict[str, Any] = {}
-    for text in settings:
+    # the quantity first, on which the unit of another option depends
+    for text in sorted(settings, key=lambda text: text.partition("=")[0].strip() != "quantity"):
         name, sign, value = (part.strip() for part in text.partition("="))
         if not sign or not value:
             raise InputError(f"--set {text}: write name=value, such as --set 'early=50 ms'")
         if name not in known:
             raise InputError(f"--set {text}: there is no '{name}'; accepted are {', '.join(known)}")
-        given[name] = _value(known[name], value, text)
+        given[name] = _value(known[name], value, text, given)
     return kind(**given)
 
 
-def _value(entry: Field[Any], value: str, text: str) -> object:
+def _unit(entry: Field[Any], given: Mapping[str, object]) -> Unit:
+    """The unit of an option; that of ``tube_y`` depends on the quantity."""
+    text = entry.metadata["unit"]
+    if text == OF_THE_QUANTITY:
+        text = SIGNALS.get(str(given.get("quantity", Options.quantity)), SIGNALS[Options.quantity])[1]
+    return parse(text)
+
+
+def _value(entry: Field[Any], value: str, text: str, given: Mapping[str, object]) -> object:
     if isinstance(entry.default, bool):
         if value.lower() not in ("true", "false", "0", "1"):
             raise InputError(f"--set {text}: accepted are true and false")
@@ -41,7 +52,7 @@ def _value(entry: Field[Any], value: str, text: str) -> object:
         return value
     if value == "inf":
         return float("inf")
-    unit = parse(entry.metadata["unit"])
+    unit = _unit(entry, given)
     number, found = quantity(value)
     if found.text == "1":
         return number
@@ -60,14 +71,27 @@ def _plain(value: str, text: str) -> float:
     return number
 
 
-def aliases(columns: Sequence[str]) -> dict[str, str]:
-    """Read ``--column signal=component.variable``."""
+def aliases(
+    columns: Sequence[str], how: str = "--column signal=column, such as --column park=sensor.contact"
+) -> dict[str, str]:
+    """Read ``--column signal=component.variable``; ``how`` tells in an error how to write it."""
     found = {}
     for text in columns:
         signal, sign, column = (part.strip() for part in text.partition("="))
         if not sign or not signal or not column:
-            raise InputError(f"--column {text}: write signal=column, such as --column park=sensor.contact")
+            option, _, example = how.partition(" ")
+            raise InputError(f"{option} {text}: write {example}")
         found[signal] = column
+    return found
+
+
+def pictures(folder: Path, prefix: str, files: Sequence[Path]) -> list[Path]:
+    """Return a picture's path for each file, called after it; files of the same name are numbered."""
+    stems = [re.sub(r"[^A-Za-z0-9]+", "_", file.stem).strip("_") or "measurement" for file in files]
+    found: list[Path] = []
+    for k, stem in enumerate(stems):
+        before = sum(other.lower() == stem.lower() for other in stems[:k])
+        found.append(folder / f"{prefix}{stem}{f'_{before + 1}' if before else ''}.png")
     return found
 
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from cosim.cli._choices import aliases, choices, table
+from cosim.cli._choices import aliases, choices, pictures, table
 from cosim.cli._screen import Screen, warned
 from cosim.comparison import Comparison, Options, compare, draw
 from cosim.errors import InputError
@@ -26,6 +25,7 @@ def compare_files(
     out: Path | None,
     settings: Sequence[str],
     columns: Sequence[str],
+    measured_columns: Sequence[str],
     limits: Sequence[str],
     screen: Screen,
     *,
@@ -37,13 +37,14 @@ def compare_files(
     Raises `InputError` for options and files that cannot be used.
     """
     options, names = choices(Options, settings), aliases(columns)
+    measured_names = aliases(measured_columns, "--measured-column quantity=name, such as --measured-column torque=M")
     bounds = [_limit(text) for text in limits]
     folder = out if out is not None else result if result.is_dir() else result.parent
     found: list[Comparison] = []
     failures: list[str] = []
     for path in measurements:
         with warned(screen):
-            comparison = compare(result, read(path), options, aliases=names)
+            comparison = compare(result, read(path, columns=measured_names), options, aliases=names)
         found.append(comparison)
         failures += [f"{comparison.measurement}: {text}" for text in _failures(comparison, bounds, require)]
     _check_limits(bounds, found)
@@ -56,8 +57,7 @@ def compare_files(
         raise InputError(f"cannot be written: {error.strerror or error}", file=folder / "comparison.json") from error
     screen.say(describe(found))
     if plots:
-        for path, comparison in zip(measurements, found, strict=True):
-            picture = folder / f"comparison_{re.sub(r'[^A-Za-z0-9]+', '_', path.stem).strip('_') or 'measurement'}.png"
+        for comparison, picture in zip(found, pictures(folder, "comparison_", measurements), strict=True):
             draw(comparison, picture)
             screen.say(str(picture))
     screen.say(str(folder / "comparison.json"))

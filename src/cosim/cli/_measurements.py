@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from cosim.cli._options import Json, Quiet
+from cosim.cli._options import Json, MeasuredColumns, Quiet
 from cosim.cli._screen import Screen, reporting, warned
 
 app = typer.Typer(
@@ -28,13 +28,14 @@ def show_command(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Draw each one here, smoothed by both methods.")
     ] = None,
+    measured_columns: MeasuredColumns = None,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
     """Show what measurements hold, where the motion begins by each method, and what was wrong with the files."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
-        _show(files, out, screen)
+        _show(files, out, measured_columns or [], screen)
 
 
 @app.command(name="synthesize")
@@ -65,20 +66,20 @@ def synthesize_command(
         screen.document({"synthetic": True, "files": [str(path) for path in paths]})
 
 
-def _show(files: Sequence[Path], out: Path | None, screen: Screen) -> None:
-    from cosim.cli._choices import table
+def _show(files: Sequence[Path], out: Path | None, columns: Sequence[str], screen: Screen) -> None:
+    from cosim.cli._choices import aliases, pictures, table
     from cosim.measurement import Inspection, draw_smoothing, inspect
 
+    names = aliases(columns, "--measured-column quantity=name, such as --measured-column torque=M")
     found: list[Inspection] = []
     for path in files:
         with warned(screen):
-            found.append(inspect(path))
+            found.append(inspect(path, names))
     head = ["", *(each.measurement.name for each in found)]
     rows = [[label, *(each.rows()[label] for each in found)] for label in found[0].rows()]
     screen.say("\n".join(table(head, rows)))
     if out is not None:
-        for path, each in zip(files, found, strict=True):
-            picture = out / f"{path.stem}.png"
+        for each, picture in zip(found, pictures(out, "", files), strict=True):
             draw_smoothing(each.measurement, picture)
             screen.say(str(picture))
     screen.document({"measurements": [each.to_dict() for each in found]})

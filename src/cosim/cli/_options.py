@@ -11,6 +11,14 @@ ModelicaFile = Annotated[Path, typer.Argument(metavar="FILE.mo", help="Modelica 
 ModelName = Annotated[str, typer.Argument(metavar="Package.Model", help="Full name of the model.", show_default=False)]
 AnyFmu = Annotated[str, typer.Argument(metavar="X.fmu", help="Path of an FMU, or name of a built-in one.")]
 Plots = Annotated[bool, typer.Option("--plots/--no-plots", help="Draw PNG plots.")]
+MeasuredColumns = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--measured-column",
+        metavar="QUANTITY=NAME",
+        help="Take this column of CSV or MDF files as time, torque, speed, current or voltage. Repeatable.",
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout instead of text.")]
 Platform = Annotated[

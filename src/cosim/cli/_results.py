@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from cosim.cli._options import Json, Plots, Quiet
+from cosim.cli._options import Json, MeasuredColumns, Plots, Quiet
 from cosim.cli._screen import Screen, reporting
 
 
@@ -61,14 +61,16 @@ def compare(
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
-            help="quantity, align (correlation, onset, angle, none), smoothing, start, stop, tube_x, tube_y or "
-            "tube_y_relative, such as 'tube_x=50 ms'. Repeatable.",
+            help="quantity, align (correlation, onset, angle, none), smoothing (moving_average, zero_phase, none), "
+            "torque_zero (onset, line), start, stop, lag_most, tube_x, tube_y or tube_y_relative, "
+            "such as 'tube_x=50 ms'. Repeatable.",
         ),
     ] = None,
     columns: Annotated[
         list[str] | None,
         typer.Option("--column", metavar="SIGNAL=COLUMN", help="Take this column of the result. Repeatable."),
     ] = None,
+    measured_columns: MeasuredColumns = None,
     require: Annotated[bool, typer.Option("--require", help="End with 1 unless the result stays in the tube.")] = False,
     limits: Annotated[
         list[str] | None,
@@ -88,7 +90,16 @@ def compare(
         from cosim.cli._compare import compare_files
 
         code = compare_files(
-            result, measurements, out, settings or [], columns or [], limits or [], screen, require=require, plots=plots
+            result,
+            measurements,
+            out,
+            settings or [],
+            columns or [],
+            measured_columns or [],
+            limits or [],
+            screen,
+            require=require,
+            plots=plots,
         )
         raise typer.Exit(code)
 

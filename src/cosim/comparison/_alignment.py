@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.comparison._curve import Curve, on_one_grid
+from cosim.comparison._curve import Curve, on_one_grid, sampled
 from cosim.errors import InputError
-from cosim.measurement import find_onset
+from cosim.measurement import correlation_onset
 
 Array = NDArray[np.float64]
 Alignment = Literal["correlation", "onset", "angle", "none"]
@@ -19,6 +19,10 @@ _AS_GOOD = 2e-3
 """Correlations that are lower by no more than this are as good: of two periods of a steady motion the nearer counts."""
 _OVERLAP = 0.5
 """The part of the shorter signal that has to overlap."""
+_ONSET_WINDOW = 0.2
+"""Seconds before and after an onset that are held against each other: 100 of the supplier's samples."""
+_LEAST_RISE = 0.05
+"""An onset rises by this part of the signal's range at least."""
 POINTS = 720
 """Samples of a revolution in the domain of the crank angle."""
 
@@ -41,11 +45,22 @@ def find_lag(result: Curve, measured: Curve, method: Alignment, most: float = np
 
 
 def _onset(curve: Curve, step: float) -> float:
-    """The instant [s] of the onset, looked for in samples that are ``step`` [s] apart."""
-    try:
-        return float(curve.time[0]) + step * find_onset(_uniform(curve, step), "correlation")
-    except InputError as error:
-        raise InputError(f"{curve.name}: {error}") from error
+    """The instant [s] of the onset, looked for in samples that are ``step`` [s] apart.
+
+    Before the first sample the signal is taken to have stood still, since workbooks are cut at the onset and runs begin
+    with it.
+    """
+    window = max(2, round(_ONSET_WINDOW / step))
+    values = _uniform(curve, step)
+    standing = np.concatenate((np.full(window, values[0]), values))
+    rise = _LEAST_RISE * float(np.ptp(values))
+    found = correlation_onset(standing, window, rise) if rise > 0.0 else None
+    if found is None:
+        raise InputError(
+            f"{curve.name}: no onset: it does not rise within {_ONSET_WINDOW:g} s by {_LEAST_RISE:.0%} of its range; "
+            "choose another alignment"
+        )
+    return float(curve.time[0]) + step * (found - window)
 
 
 def correlation_lag(result: Curve, measured: Curve, most: float = np.inf) -> float:
@@ -111,4 +126,8 @@ def over_angle(curve: Curve) -> Curve:
     if turns[-1] < 2.0:
         raise InputError(f"{curve.name}: the crank makes {turns[-1]:.2f} revolutions; at least two are needed")
     grid = np.arange(int(turns[-1] * POINTS) + 1) / POINTS
-    return replace(curve, time=grid, values=np.interp(grid, turns[moving], curve.values[moving]), angle=None)
+    seen = Curve(curve.name, turns[moving], curve.values[moving])
+    # what 720 samples cannot show must not be folded down; a crank that all but stands still has no rate to filter at
+    dense = seen.step > 0.01 / POINTS
+    values = sampled(seen, grid) if dense else np.interp(grid, seen.time, seen.values)
+    return replace(curve, time=grid, values=values, angle=None)

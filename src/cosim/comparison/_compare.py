@@ -26,7 +26,9 @@ from cosim.measurement._supplier import SAMPLE_TIME
 Array = NDArray[np.float64]
 
 _HIGHEST = 20.0
-"""Frequencies [Hz] up to which the coherence is reported."""
+"""Frequencies [Hz] up to which the spectra are reported."""
+_WORTH_A_NOTE = 0.01
+"""An offset of the torque by this part of its range is told."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class Comparison:
     ``pair`` has both at the same instants of the result's time, in ``unit`` (in revolutions of the crank instead of
     seconds if aligned by "angle"); ``lag`` [s] is by how much the measurement was later. ``tube`` lies around the
     measurement, ``outside`` of shape (n,) tells by how much the result leaves it. ``timing`` [s] is how much later each
-    peak of the result is than the measurement's. ``coherence`` is a pair of frequencies [Hz] and values.
+    peak of the result is than the measurement's. ``spectrum`` goes up to 20 Hz.
     """
 
     result: str
@@ -58,7 +60,7 @@ class Comparison:
     tube: Tube
     outside: Array
     timing: Array
-    coherence: tuple[Array, Array]
+    spectrum: measures.Spectrum
     revolutions: Revolutions | None
     notes: tuple[str, ...]
     synthetic: bool
@@ -86,7 +88,7 @@ class Comparison:
             "peak_timing_worst_s": float(self.timing[np.abs(self.timing).argmax()]) if len(self.timing) else math.nan,
             f"tube_excess_{unit}": float(self.outside.max()),
             "tube_outside": float(np.mean(self.outside > 0.0)),
-            "coherence_mean": self._coherence_mean(),
+            "coherence_mean": self.spectrum.mean_coherence(),
         }
 
     def to_dict(self) -> dict[str, object]:
@@ -108,22 +110,14 @@ class Comparison:
             "peaks": len(self.timing),
             "envelope_inside": share_inside(turns.result, turns.measured, turns.shift) if turns else None,
             "revolutions": [turns.result.revolutions, turns.measured.revolutions] if turns else None,
-            "coherence": {
-                "frequency_hz": self.coherence[0].tolist(),
-                "value": [v if math.isfinite(v) else None for v in self.coherence[1].tolist()],
+            "spectrum": {
+                "frequency_hz": self.spectrum.frequency.tolist(),
+                "result": self.spectrum.result.tolist(),
+                "measured": self.spectrum.measured.tolist(),
+                "coherence": [v if math.isfinite(v) else None for v in self.spectrum.coherence.tolist()],
             },
             "notes": list(self.notes),
         }
-
-    def _coherence_mean(self) -> float:
-        """The coherence where the measurement has its power: weighted by the power of each frequency."""
-        frequencies, values = self.coherence
-        if not len(values) or np.isnan(values).any():
-            return math.nan
-        fluctuation = self.pair.measured - self.pair.measured.mean()
-        power = np.abs(np.fft.rfft(fluctuation)) ** 2
-        weights = np.interp(frequencies, np.fft.rfftfreq(len(fluctuation), self.pair.step), power)
-        return float(weights @ values / weights.sum()) if weights.sum() > 0.0 else math.nan
 
 
 def compare(
@@ -148,11 +142,11 @@ def compare(
     run = trace(result, aliases=aliases)
     signal, unit, suffix = SIGNALS[options.quantity]
     simulated, notes = _of_run(run, signal, unit), list[str]()
-    measured = _of_measurement(measurement, options.quantity, notes)
+    measured = _of_measurement(measurement, options, notes)
     part = simulated.between(options.start, options.stop)
-    turns = _revolutions(part, measured, notes)
     if options.align == "angle":
         period = _period(measured)
+        turns = _revolutions(part, measured, notes)
         pair, lag = _over_angle(part, measured)
         half_width = options.tube_x / _period(part)
         lag *= period
@@ -163,7 +157,11 @@ def compare(
             notes.append(
                 f"the best lag is at the end of those looked at, {lag:g} s; set lag_most higher, or align=onset"
             )
-        pair, half_width = on_one_grid(part, measured.later(-lag)), options.tube_x
+        aligned = measured.later(-lag)
+        pair, half_width = on_one_grid(part, aligned), options.tube_x
+        # the revolutions of what is compared, not those of a longer measurement's start-up
+        first, last = pair.time[0], pair.time[-1]
+        turns = _revolutions(part.between(first, last), aligned.between(first, last), notes)
     if options.smoothing != "none":
         length = max(3, round(AVERAGE * SAMPLE_TIME / (pair.step * period)))
         pair = Pair(pair.time, *(smooth(values, options.smoothing, length) for values in (pair.result, pair.measured)))
@@ -181,7 +179,7 @@ def compare(
         tube=around,
         outside=around.outside(pair.time, pair.result),
         timing=measures.peak_timing(timed),
-        coherence=measures.coherence(timed, _HIGHEST),
+        spectrum=measures.spectrum(timed, _HIGHEST),
         revolutions=turns,
         notes=tuple(notes),
         synthetic=measurement.meta["synthetic"],
@@ -193,7 +191,8 @@ def _of_run(run: Trace, signal: str, unit: str) -> Curve:
     return Curve(run.name, run.time, run.signal(signal, unit), angle)
 
 
-def _of_measurement(measurement: Measurement, quantity: str, notes: list[str]) -> Curve:
+def _of_measurement(measurement: Measurement, options: Options, notes: list[str]) -> Curve:
+    quantity = options.quantity
     if not measurement.has(quantity):
         there = [name for name in measurement.frame.columns if name != "time" and measurement.has(name)]
         raise InputError(f"{measurement.meta['source']}: the {quantity} was not measured; there is {', '.join(there)}")
@@ -203,7 +202,29 @@ def _of_measurement(measurement: Measurement, quantity: str, notes: list[str]) -
     if gaps.any():
         notes.append(f"{int(gaps.sum())} samples of the measurement are no numbers; interpolated")
         values = np.interp(time, time[~gaps], values[~gaps])
+    if quantity == "torque":
+        values = values + _torque_zero(measurement, options, float(np.ptp(values)), notes)
     return Curve(measurement.name, time, values, _angle(measurement))
+
+
+def _torque_zero(measurement: Measurement, options: Options, spread: float, notes: list[str]) -> float:
+    """Return what is to be added to the torque [N.m], which the source makes zero at the onset.
+
+    Raises `InputError` if it is unknown.
+    """
+    there = measurement.meta["torque_at_onset"]
+    if options.torque_zero == "line":
+        if math.isnan(there):
+            raise InputError(
+                f"{measurement.meta['source']}: there is no line of current over torque; set torque_zero=onset"
+            )
+        return there
+    if abs(there) > _WORTH_A_NOTE * spread:
+        notes.append(
+            f"the torque has been made zero at the onset, as the source does it; by the workbook's line it is "
+            f"{there:.4g} N.m there, which torque_zero=line takes into account"
+        )
+    return 0.0
 
 
 def _angle(measurement: Measurement) -> Array | None:

@@ -90,10 +90,11 @@ def on_one_grid(result: Curve, measured: Curve) -> Pair:
             f"and {measured.time[0]:g} s to {measured.time[-1]:g} s"
         )
     grid = origin + step * np.arange(first, last + 1)
-    return Pair(grid, _sampled(result, grid), _sampled(measured, grid))
+    return Pair(grid, sampled(result, grid), sampled(measured, grid))
 
 
-def _sampled(curve: Curve, grid: Array) -> Array:
+def sampled(curve: Curve, grid: Array) -> Array:
+    """Return a curve at the instants of a uniform grid, freed beforehand from what the grid cannot show."""
     step = float(grid[1] - grid[0])
     time, values = curve.time, curve.values
     if step > _MUCH_FINER * curve.step:

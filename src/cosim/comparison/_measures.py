@@ -14,6 +14,11 @@ Array = NDArray[np.float64]
 _PROMINENCE = 0.2
 """A peak stands out by this part of the signal's range."""
 
+_LEAST_SEGMENT = 8
+"""Samples of a segment of a spectrum."""
+_NO_POWER = 1e-24
+"""Of the largest product of both powers: less is rounding."""
+
 
 @dataclass(frozen=True)
 class Line:
@@ -84,14 +89,40 @@ def peak_timing(pair: Pair) -> Array:
     return np.asarray((result[partner] - measured)[mutual], dtype=np.float64)
 
 
-def coherence(pair: Pair, high: float) -> tuple[Array, Array]:
-    """Return frequencies [Hz] up to ``high`` and the magnitude-squared coherence, by Welch's method.
+@dataclass(frozen=True)
+class Spectrum:
+    """Power spectral densities [unit^2/Hz] of both at ``frequency`` [Hz], and their magnitude-squared coherence.
 
-    Eight segments that overlap by half; fewer would make it one everywhere.
+    All of shape (n,), empty if there are too few samples; the coherence is NaN where one of them has no power.
     """
-    from scipy.signal import coherence as welch
 
-    length = max(8, int(len(pair.time) / 4.5))
-    frequencies, values = welch(pair.result, pair.measured, fs=1.0 / pair.step, nperseg=length)
-    inside = frequencies <= high
-    return np.asarray(frequencies)[inside], np.asarray(values)[inside]
+    frequency: Array
+    result: Array
+    measured: Array
+    coherence: Array
+
+    def mean_coherence(self) -> float:
+        """Return the coherence where the measurement has its power: weighted by it; NaN if there is none."""
+        known = ~np.isnan(self.coherence)
+        weight = float(self.measured[known].sum())
+        return float(self.measured[known] @ self.coherence[known]) / weight if weight > 0.0 else float("nan")
+
+
+def spectrum(pair: Pair, high: float) -> Spectrum:
+    """Return the spectra at frequencies up to ``high`` [Hz], by Welch's method with Hann's window.
+
+    Eight segments that overlap by half; of one alone the coherence would be one everywhere.
+    """
+    from scipy.signal import csd, welch
+
+    length, rate = int(len(pair.time) / 4.5), 1.0 / pair.step
+    if length < _LEAST_SEGMENT:
+        return Spectrum(*(np.empty(0) for _ in range(4)))
+    frequency, result = welch(pair.result, rate, nperseg=length)
+    _, measured = welch(pair.measured, rate, nperseg=length)
+    _, cross = csd(pair.result, pair.measured, rate, nperseg=length)
+    power = result * measured
+    least = _NO_POWER * float(power.max())
+    coherence = np.divide(np.abs(cross) ** 2, power, out=np.full(len(power), np.nan), where=power > least)
+    inside = frequency <= high
+    return Spectrum(frequency[inside], result[inside], measured[inside], coherence[inside])

@@ -11,6 +11,7 @@ from cosim.errors import InputError
 from cosim.measurement import Smoothing
 
 Quantity = Literal["torque", "current", "speed", "voltage"]
+TorqueZero = Literal["onset", "line"]
 
 SIGNALS: dict[str, tuple[str, str, str]] = {
     "torque": ("tau_crank", "N.m", "nm"),
@@ -19,7 +20,10 @@ SIGNALS: dict[str, tuple[str, str, str]] = {
     "voltage": ("v_motor", "V", "v"),
 }
 """For each quantity: the result's signal, the unit, and how the unit is written in the names of figures."""
+OF_THE_QUANTITY = "quantity"
+"""In place of the unit of an option: that of the quantity which is compared."""
 ALIGNMENTS = ("correlation", "onset", "angle", "none")
+TORQUE_ZEROS = ("onset", "line")
 SMOOTHINGS = ("none", "moving_average", "zero_phase")
 
 
@@ -29,23 +33,30 @@ class Options:
 
     ``start`` and ``stop`` [s] bound the part of the result that counts. "correlation" looks for lags up to ``lag_most``
     [s] either way. ``smoothing`` is applied to both signals alike.
-    The tube's half width is ``tube_x`` [s], its half height the larger of ``tube_y`` (in the quantity's unit) and
-    ``tube_y_relative`` times the range of the measurement.
+    ``torque_zero`` says where a workbook's torque is zero: at its onset, as the source makes it, or where its line of
+    current over torque says so. The tube's half width is ``tube_x`` [s], its half height the larger
+    of ``tube_y`` (in the quantity's unit) and ``tube_y_relative`` times the range of the measurement.
     """
 
     quantity: Quantity = "torque"
     align: Alignment = "correlation"
     smoothing: Smoothing = "none"
+    torque_zero: TorqueZero = "onset"
     start: float = field(default=0.0, metadata={"unit": "s"})
     stop: float = field(default=math.inf, metadata={"unit": "s"})
     lag_most: float = field(default=5.0, metadata={"unit": "s"})
     tube_x: float = field(default=0.05, metadata={"unit": "s"})
-    tube_y: float = field(default=0.0, metadata={"unit": "N.m"})
+    tube_y: float = field(default=0.0, metadata={"unit": OF_THE_QUANTITY})
     tube_y_relative: float = field(default=0.1, metadata={"unit": "1"})
 
     def __post_init__(self) -> None:
         """Check the choices; raises `InputError`."""
-        for name, known in (("quantity", tuple(SIGNALS)), ("align", ALIGNMENTS), ("smoothing", SMOOTHINGS)):
+        for name, known in (
+            ("quantity", tuple(SIGNALS)),
+            ("align", ALIGNMENTS),
+            ("smoothing", SMOOTHINGS),
+            ("torque_zero", TORQUE_ZEROS),
+        ):
             if getattr(self, name) not in known:
                 raise InputError(f"{name}: there is no '{getattr(self, name)}'; accepted are {', '.join(known)}")
         for name in ("lag_most", "tube_x", "tube_y", "tube_y_relative"):

@@ -24,6 +24,13 @@ NAMES: dict[str, tuple[str, ...]] = {
     "voltage": ("voltage", "v_supply", "v_motor", "v_meas"),
 }
 """Names by which a column is known if nobody says which it is; ``plant.i_motor`` is known by its last part."""
+_CONDITIONS: dict[str, tuple[str, dict[str, object]]] = {
+    "glass": ("glass", {"dry": "dry", "wet": "wet"}),
+    "motor": ("motor", {"cold": "cold", "warm": "warm"}),
+    "speed_step": ("speed", {"ls": "LS", "hs": "HS"}),
+    "synthetic": ("synthetic", {"true": True, "false": False}),
+}
+"""The ``#`` lines about a measurement: which metadata they give, and what they may say."""
 _HEADER = re.compile(r"(?P<name>.*?)\s*(\[(?P<unit>[^\]]*)\])?")
 
 
@@ -49,11 +56,21 @@ def read_csv(path: Path, meta: Meta, mapping: Mapping[str, str]) -> Measurement:
         columns[column] = values * factor + offset
     _check_time(table, columns["time"], names[chosen["time"]])
     columns["time"] = columns["time"] - columns["time"][0]
-    conditions = {"glass": keys.get("glass"), "motor": keys.get("motor"), "speed": keys.get("speed_step")}
-    given = {name: value for name, value in conditions.items() if value}
-    synthetic = keys.get("synthetic", "false").lower() in ("true", "1", "yes")
-    found = updated(meta, **given, synthetic=synthetic, units=UNITS)
+    found = updated(meta, **_conditions(table, keys), units=UNITS)
     return Measurement(frame_of(columns), found)
+
+
+def _conditions(table: Table, keys: Mapping[str, str]) -> dict[str, object]:
+    """Return what the ``#`` lines say of the measurement; raises `InputError` for what they may not say."""
+    found: dict[str, object] = {}
+    for name, (entry, known) in _CONDITIONS.items():
+        if name not in keys:
+            continue
+        if keys[name].lower() not in known:
+            line = next(number for number, text in table.keys if text.partition(":")[0].strip().lower() == name)
+            raise table.error(f"{name}: there is no '{keys[name]}'; accepted are {', '.join(known)}", line)
+        found[entry] = known[keys[name].lower()]
+    return found
 
 
 def choose(names: Sequence[str], wanted: Mapping[str, str], path: Path) -> dict[str, int]:
@@ -70,6 +87,9 @@ def choose(names: Sequence[str], wanted: Mapping[str, str], path: Path) -> dict[
         fits = [k for name in accepted for k, head in enumerate(names) if _is_called(head, name, quantity in wanted)]
         if len(set(fits)) > 1 and quantity in wanted:
             raise InputError(f"several columns are called '{wanted[quantity]}'", file=path)
+        if len(set(fits)) > 1 and len({names[k].lower().rpartition(".")[2] for k in fits}) == 1:
+            there = " and ".join(f"'{names[k]}'" for k in dict.fromkeys(fits))
+            raise InputError(f"{there} may both be the {quantity}; {_remedy(quantity, names[fits[0]])}", file=path)
         if fits:
             chosen[quantity] = fits[0]
         elif quantity in wanted:
@@ -79,11 +99,15 @@ def choose(names: Sequence[str], wanted: Mapping[str, str], path: Path) -> dict[
     if "time" not in chosen or not {"torque", "current"} & set(chosen):
         lacking = "time" if "time" not in chosen else "torque or current"
         raise InputError(
-            f"no column for the {lacking} among {some(names, 12)}; say which it is, such as "
-            f"--column {'torque' if lacking != 'time' else 'time'}='{names[0]}'",
+            f"no column for the {lacking} among {some(names, 12)}; "
+            + _remedy("torque" if lacking != "time" else "time", names[0]),
             file=path,
         )
     return chosen
+
+
+def _remedy(quantity: str, name: str) -> str:
+    return f"say which it is: write '# {quantity}: {name}' above the header, or --measured-column '{quantity}={name}'"
 
 
 def _is_called(head: str, name: str, exactly: bool) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -58,12 +59,8 @@ class Inspection:
 
     def to_dict(self) -> dict[str, object]:
         """Return it as a JSON document; what is not a number becomes None."""
-        meta = {
-            key: None if isinstance(value, float) and not math.isfinite(value) else value
-            for key, value in self.measurement.meta.items()
-        }
         return {
-            **meta,
+            **{key: _finite(value) for key, value in self.measurement.meta.items()},
             "name": self.measurement.name,
             "samples": len(self.measurement.frame),
             "duration_s": float(self.measurement.values("time")[-1]),
@@ -73,9 +70,16 @@ class Inspection:
         }
 
 
-def inspect(path: Path) -> Inspection:
-    """Read a measurement and compare the ways of processing it. Warns and raises as ``read`` does."""
-    measurement = read(path)
+def _finite(value: object) -> object:
+    """None for what is no finite number, also inside of a pair."""
+    if isinstance(value, tuple):
+        return [_finite(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def inspect(path: Path, columns: Mapping[str, str] | None = None) -> Inspection:
+    """Read a measurement and compare the ways of processing it. Takes, warns and raises what ``read`` does."""
+    measurement = read(path, columns=columns)
     torque = np.nan_to_num(measurement.values("torque"))
     whole = torque
     if measurement.meta["format"] == "xlsx":
@@ -90,8 +94,10 @@ def inspect(path: Path) -> Inspection:
 def draw_smoothing(measurement: Measurement, path: Path) -> None:
     """Draw the torque as it is, by the source's moving average, and by the zero-phase filter, as a PNG file.
 
-    Raises `InputError` if the file cannot be written.
+    Raises `InputError` if there is no torque or the file cannot be written.
     """
+    if not measurement.has("torque"):
+        raise InputError(f"{measurement.meta['source']}: the torque was not measured; there is nothing to draw")
     import matplotlib as mpl
 
     mpl.use("Agg")

@@ -49,23 +49,33 @@ def read_mat(path: Path, meta: Meta) -> Measurement:
         gaps = np.flatnonzero(np.isnan(columns[column])) if column in columns else np.array([])
         if len(gaps):
             repairs.append(f"{_SAMPLES[column]} is not a number at sample {some((gaps + 1).tolist())}: left as it is")
+    columns["time"] = columns["time"] - columns["time"][0]
     index = variables.get("XYZ")
+    line = _pair(variables, "Tp")
     found = updated(
         meta,
         onset=max(index.size - count, 0) if index is not None else 0,
         onset_method="file",
         current_peak=_scalar(variables, "A_max"),
-        torque_line=_pair(variables, "Tp"),
+        torque_line=line,
+        torque_at_onset=_at_onset(columns, line),
         speed_line=_pair(variables, "Sp"),
         synthetic=_scalar(variables, "synthetic") == 1.0,
     )
     return Measurement(frame_of(columns), found)
 
 
+def _at_onset(columns: dict[str, Array], line: tuple[float, float] | None) -> float:
+    """The torque [N.m] that the line gives for the first current, where the script has made it zero."""
+    if line is None or not line[0] or "current" not in columns:
+        return float("nan")
+    return float((columns["current"][0] - line[1]) / line[0] - columns["torque"][0])
+
+
 def _check_time(time: Array, path: Path) -> None:
     steps = np.diff(time)
-    if not bool((steps > 0).all()):
-        k = int(np.flatnonzero(~(steps > 0))[0])
+    if not bool((steps > 0).all()) or not np.isfinite(time).all():
+        k = int(np.flatnonzero(~((steps > 0) & np.isfinite(steps)))[0])
         raise InputError(
             f"t does not increase from sample {k + 1} ({time[k]:g}) to {k + 2} ({time[k + 1]:g})", file=path
         )

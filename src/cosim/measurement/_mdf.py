@@ -51,10 +51,16 @@ def read_mdf(path: Path, meta: Meta, mapping: Mapping[str, str]) -> Measurement:
             raise InputError(f"the channel '{chosen[quantity]}' holds no numbers", file=path) from None
         if values.ndim != 1:
             raise InputError(f"the channel '{chosen[quantity]}' holds arrays; a number a sample is expected", file=path)
+        if len(values) != len(signal.timestamps) or not len(values):
+            raise InputError(f"the channel '{chosen[quantity]}' has no samples", file=path)
         factor, offset = _conversion(str(signal.unit or ""), quantity, chosen[quantity], path)
         values = values * factor + offset
         if quantity != leading:
             values = np.interp(time, signal.timestamps, values, left=np.nan, right=np.nan)
+        gaps = np.flatnonzero(np.isnan(values))
+        if len(gaps):
+            when = some([f"{time[k] - time[0]:g} s" for k in gaps])
+            meta["repairs"].append(f"the {quantity} is missing at {when}: not a number there")
         columns[quantity] = values
     return Measurement(frame_of(columns), updated(meta, units=UNITS))
 

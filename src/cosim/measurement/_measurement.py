@@ -29,6 +29,7 @@ class Meta(TypedDict):
     ``source`` is the file and ``format`` its kind; ``glass`` ("dry", "wet"), ``motor`` ("cold", "warm") and ``speed``
     ("LS", "HS") the conditions, None where nobody said. ``units`` holds the unit of each column. ``onset`` is the
     number (from 0) of the sample of the file that is the first one here, ``onset_method`` how it was found.
+    ``torque_at_onset`` [N.m] is what has been subtracted from the torque so that it begins with zero, NaN if unknown.
     ``current_peak`` [A] is the largest current before the onset was cut off, NaN if unknown. ``torque_line`` is (b, a)
     in current = b torque + a, ``speed_line`` (b, a) in speed = b torque + a, None where the file has none.
     ``synthetic`` tells that it was computed, not measured; ``repairs`` says what was wrong and has been mended.
@@ -42,6 +43,7 @@ class Meta(TypedDict):
     units: dict[str, str]
     onset: int
     onset_method: str
+    torque_at_onset: float
     current_peak: float
     torque_line: tuple[float, float] | None
     speed_line: tuple[float, float] | None

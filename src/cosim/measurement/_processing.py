@@ -24,6 +24,8 @@ RISE = 0.3
 AVERAGE = 55
 """Samples of the moving average."""
 _ROUNDING = 1e-9
+LARGEST = 1e30
+"""Numbers beyond are refused: what is measured is smaller, and their squares overflow."""
 
 
 def threshold_onset(torque: Array) -> int | None:
@@ -45,24 +47,25 @@ def threshold_onset(torque: Array) -> int | None:
     return None
 
 
-def correlation_onset(torque: Array) -> int | None:
-    """Return where the torque correlates best with a step of 100 samples before and after.
+def correlation_onset(torque: Array, window: int = WINDOW, rise: float = RISE) -> int | None:
+    """Return where a signal correlates best with a step of ``window`` samples before and after.
 
-    Of several steps the first one counts that reaches half of the largest; None if even that is below 0.3 N.m. Unlike
-    the threshold it weighs both sides, so that one noisy sample cannot be taken for the onset.
+    Of several steps the first one counts that reaches half of the largest; None if even that is below ``rise`` (in the
+    unit of the signal). Unlike the threshold it weighs both sides, so that one noisy sample cannot be taken for the
+    onset.
     """
-    if len(torque) < 2 * WINDOW:
+    if len(torque) < 2 * window:
         return None
     sums = np.concatenate(([0.0], np.cumsum(torque)))
-    after = sums[2 * WINDOW :] - sums[WINDOW:-WINDOW]
-    before = sums[WINDOW:-WINDOW] - sums[: -2 * WINDOW]
-    step = (after - before) / WINDOW
+    after = sums[2 * window :] - sums[window:-window]
+    before = sums[window:-window] - sums[: -2 * window]
+    step = (after - before) / window
     largest = float(step.max())
-    if not largest >= RISE:
+    if not largest >= rise:
         return None
     first = int(np.argmax(step >= 0.5 * largest))
     # the maximum of the hump that begins there
-    return first + int(np.argmax(step[first : first + WINDOW])) + WINDOW
+    return first + int(np.argmax(step[first : first + window])) + window
 
 
 def find_onset(torque: Array, method: Onset) -> int:

@@ -95,6 +95,7 @@ def _meta(path: Path, kind: str, speed_unit: str) -> Meta:
         units=UNITS | {"speed": speed_unit, "current_instantaneous": "A"},
         onset=0,
         onset_method="none",
+        torque_at_onset=0.0,
         current_peak=float("nan"),
         torque_line=None,
         speed_line=None,

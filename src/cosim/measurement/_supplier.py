@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cosim.errors import InputError
 from cosim.measurement._measurement import Measurement, Meta, frame_of, some, updated
-from cosim.measurement._processing import WINDOW, Onset, find_onset
+from cosim.measurement._processing import LARGEST, WINDOW, Onset, find_onset
 
 Array = NDArray[np.float64]
 Missing = Literal["zero", "interpolate"]
@@ -45,6 +45,7 @@ def measurement_of(supplied: Supplied, meta: Meta, onset: Onset, missing: Missin
     Raises `InputError` if the samples cannot be used or there is no onset.
     """
     repairs = meta["repairs"]
+    _refuse_overflow(supplied)
     index = _checked_index(supplied, repairs)
     _suspect_columns(supplied, repairs)
     current = supplied.A_avg
@@ -81,11 +82,25 @@ def measurement_of(supplied: Supplied, meta: Meta, onset: Onset, missing: Missin
         meta,
         onset=first,
         onset_method=onset,
+        torque_at_onset=float(torque[first]),
         current_peak=peak,
         torque_line=supplied.torque_line,
         speed_line=supplied.speed_line,
     )
     return Measurement(frame, found)
+
+
+def _refuse_overflow(supplied: Supplied) -> None:
+    """Raise `InputError` if a number is so large that sums of squares would have no end."""
+    columns = {"A": supplied.V_meas, "B": supplied.XYZ, "C": supplied.A_calc, "G": supplied.A_avg}
+    for letter, values in columns.items():
+        large = np.flatnonzero(np.abs(values) > LARGEST)
+        if len(large):
+            k = int(large[0])
+            raise InputError(f"{letter}{supplied.rows + k} has {values[k]:g}; no measured value is that large")
+    (b, a), (d, c) = supplied.torque_line, supplied.speed_line
+    if max(abs(a), abs(c), abs(d)) > LARGEST or abs(b) < 1.0 / LARGEST:
+        raise InputError(f"the lines of columns J and M, {b:g} and {a:g}, {d:g} and {c:g}, are not those of a motor")
 
 
 def _checked_index(supplied: Supplied, repairs: list[str]) -> Array:
@@ -96,7 +111,10 @@ def _checked_index(supplied: Supplied, repairs: list[str]) -> Array:
     empty = np.flatnonzero(np.isnan(index))
     if len(empty):
         if len(empty) == len(index) or np.isnan(index[[0, -1]]).any():
-            raise InputError(f"column B has no sample index in row {some([supplied.rows + int(i) for i in empty])}")
+            raise InputError(
+                f"column B has no sample index in row {some([supplied.rows + int(i) for i in empty])}; "
+                "delete rows at the beginning or end that are no samples"
+            )
         good = np.flatnonzero(~np.isnan(index))
         index = np.interp(np.arange(len(index)), good, index[good])
         rows = some([supplied.rows + int(i) for i in empty])

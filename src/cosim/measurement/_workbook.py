@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,11 @@ LAST_COLUMN = 14
 SYNTHETIC_SHEET = "Synthetic"
 """A second sheet of this name marks a workbook whose numbers were computed."""
 _LETTERS = "ABCDEFGHIJKLMN"
+_MOST_CELLS = 4_000_000
+"""Cells from A1 to the last one; the reader takes memory for all, filled or not, and ends the process without it."""
+_ROW = re.compile(rb"""r=["'](\d+)["']""")
+_CELL = re.compile(rb"""r=["']([A-Z]+)(\d+)["']""")
+_WIDE = re.compile(rb"""r=["']([A-Z]{2,})\d+["']""")
 
 
 def read_workbook(path: Path, repairs: list[str]) -> tuple[Supplied, bool]:
@@ -34,6 +40,9 @@ def read_workbook(path: Path, repairs: list[str]) -> tuple[Supplied, bool]:
     rows, names = _cells(path)
     if len(rows) > LAST_ROW:
         repairs.append(f"{len(rows) - LAST_ROW} rows below row {LAST_ROW} are not read; the layout ends there")
+    beyond = sum(any(cell != "" for cell in row[LAST_COLUMN:]) for row in rows)
+    if beyond:
+        repairs.append(f"{beyond} rows have cells right of column N, which are not read; the layout ends there")
     rows = [row[:LAST_COLUMN] for row in rows[:LAST_ROW]]
     numeric = [k for k, row in enumerate(rows) if any(_is_number(cell) for cell in row)]
     if not numeric:
@@ -55,7 +64,7 @@ def _cells(path: Path) -> tuple[list[list[Any]], list[str]]:
     """Return the cells of the first sheet from A1 on, and the names of all sheets."""
     import python_calamine
 
-    Archive.open(path)  # refuses what would not fit into memory
+    _refuse_far_cells(Archive.open(path, "XLSX"), path)
     try:
         book = python_calamine.CalamineWorkbook.from_path(str(path))
         names = list(book.sheet_names)
@@ -69,6 +78,33 @@ def _cells(path: Path) -> tuple[list[list[Any]], list[str]]:
         if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
             raise
         raise InputError(f"is no workbook that can be read ({error})", file=path) from None
+
+
+def _refuse_far_cells(archive: Archive, path: Path) -> None:
+    """Refuse a workbook with a cell so far from A1 that a table up to there does not fit into memory."""
+    for name in archive.sizes:
+        if not name.startswith("xl/worksheets/") or not name.endswith(".xml"):
+            continue
+        content = archive.read(name)
+        wide = max((_number(letters) for letters in set(_WIDE.findall(content))), default=26)
+        rows = max(map(int, _ROW.findall(content)), default=1)
+        if wide * rows <= _MOST_CELLS:
+            continue
+        cells = ((int(row) * _number(letters), letters + row) for letters, row in _CELL.findall(content))
+        last = max(cells, default=(0, b"XFD1048576"))[1].decode()
+        raise InputError(
+            f"{name} has a cell {last}, far from the layout's A1:N{LAST_ROW}; delete the rows and columns "
+            "outside of it",
+            file=path,
+        )
+
+
+def _number(letters: bytes) -> int:
+    """The number of a column, from 1: A is 1, AA 27."""
+    number = 0
+    for letter in letters:
+        number = 26 * number + letter - 64
+    return number
 
 
 def _is_number(cell: object) -> bool:
@@ -86,7 +122,11 @@ def _column(rows: Sequence[Sequence[Any]], letter: str, first: int, repairs: lis
         repairs.append(f"text where a number is expected, in {some(texts)}: not a number")
     empty = [f"{letter}{first + k}" for k, cell in enumerate(cells) if cell == ""]
     if len(empty) + len(texts) == len(cells):
-        raise InputError(f"column {letter} has no numbers", file=path)
+        seen = (
+            f"but text such as {texts[0]}; turn it into numbers in the spreadsheet" if texts
+            else "; if it has formulas, save the workbook with a spreadsheet, which computes them"
+        )  # fmt: skip
+        raise InputError(f"column {letter} has no numbers{' ' if texts else ''}{seen}", file=path)
     if empty:
         repairs.append(f"empty cells in {some(empty)}: not a number")
     return values
@@ -101,6 +141,10 @@ def _line(rows: Sequence[Sequence[Any]], letter: str, first: int, path: Path) ->
         cell = rows[k][position] if k < len(rows) and position < len(rows[k]) else ""
         if not _is_number(cell) or not np.isfinite(cell):
             seen = f"'{cell}'" if cell != "" else "nothing"
-            raise InputError(f"{letter}{first + k} has {seen}; the {part} {what} is expected there", file=path)
+            raise InputError(
+                f"{letter}{first + k} has {seen}; the {part} {what} is expected there, row {first} being the first one "
+                "with a number",
+                file=path,
+            )
         found.append(float(cell))
     return found[0], found[1]

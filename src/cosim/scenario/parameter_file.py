@@ -10,7 +10,7 @@ Every entry needs a name and a value; other members are left alone.
 from __future__ import annotations
 
 import json
-import math
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ def read_parameters(path: Path) -> list[Setting]:
         InputError: it cannot be read, or an entry has no name or no value.
     """
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise InputError("there is no such parameter file", file=path) from None
     except OSError as error:
@@ -61,9 +61,11 @@ def _setting(entry: Any, number: int, path: Path) -> Setting:  # noqa: ANN401 - 
     if not isinstance(name, str) or not name:
         raise InputError(f'entry {number} has no "name"', file=path)
     value, unit, provenance = entry.get("value"), entry.get("unit", "1"), entry.get("provenance")
+    if not isinstance(unit, str | None):
+        raise InputError(f'entry {number}, {name}: "unit" is {unit!r}; a text such as "N.m" is expected', file=path)
     if isinstance(value, bool):
         text = str(int(value))
-    elif isinstance(value, int | float) and math.isfinite(value):
+    elif isinstance(value, int | float) and abs(value) <= sys.float_info.max:
         text = f"{value!r} {unit}" if unit not in ("1", None, "") else repr(value)
     elif isinstance(value, str):
         text = value
