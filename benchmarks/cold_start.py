@@ -23,7 +23,7 @@ marks = {"interpreter": (time.time(), time.process_time())}
 import cosim.cli
 mark = lambda: (time.time(), time.process_time())
 marks["import cosim.cli"] = mark()
-import cosim.engine._simulate as engine
+import cosim.engine._execution as engine
 marks["import cosim.engine"] = mark()
 import cosim.cli._run as command
 marks["import the rest of the command"] = mark()

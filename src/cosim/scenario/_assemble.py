@@ -6,15 +6,17 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from cosim.engine import Channel, Component, Connection, Fmu, System
 from cosim.errors import InputError
-from cosim.scenario._connectors import connector_channels
 from cosim.scenario._model import Column, Scenario, ScenarioWarning, Setting, is_structure
 from cosim.scenario._names import End, dotted, find_end, regrouped, resolve
 from cosim.scenario._values import channel_values, check_range, connection_map, parameter_value
-from cosim.ssp import Input, read_ssp, start_values
 from cosim.units import convert, parse
+
+if TYPE_CHECKING:
+    from cosim.ssp import Input
 
 Locate = Callable[[str], Path]
 """Takes the name of a built-in plant or controller, gives the path of its FMU; raises `InputError` if unknown."""
@@ -47,6 +49,8 @@ def assemble(scenario: Scenario, locate: Locate) -> System:
 
 def _assemble_structure(scenario: Scenario) -> System:
     """Return the system that an SSP describes, with the scenario's parameters, connections and channels added to it."""
+    from cosim.ssp import read_ssp, start_values  # few scenarios need it, and it takes time to import
+
     line = scenario.key_lines.get("system")
     if scenario.controller is not None:
         raise InputError(
@@ -244,11 +248,12 @@ def _channels(
     channels: list[Channel] = []
     for column in scenario.columns:
         try:
-            found = (
-                connector_channels(scenario.path, column, inputs[column.name], components, driven)
-                if column.name in inputs
-                else [_channel(scenario, column, components, driven)]
-            )
+            if column.name in inputs:
+                from cosim.scenario._connectors import connector_channels
+
+                found = connector_channels(scenario.path, column, inputs[column.name], components, driven)
+            else:
+                found = [_channel(scenario, column, components, driven)]
         except InputError as error:
             raise _located(error, scenario, column.line, column.position) from error
         channels += found
