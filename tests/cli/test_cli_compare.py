@@ -85,8 +85,30 @@ def test_over_the_crank_angle_a_slower_motor_is_the_same(cosim: Cosim, result: P
     assert found["correlation"] == pytest.approx(1.0, abs=1e-4)
     assert found["rmse_nm"] == pytest.approx(0.0, abs=0.05)
     period = 2 * np.pi / (0.6 * SPEED)
-    # at 2 s the result is at 10 rad, the measurement begins at 1 rad: turned back by 9 rad, modulo one revolution
-    assert found["lag_s"] == pytest.approx((9.0 / (2 * np.pi) % 1.0) * period, abs=period / 700)
+    # at 2 s the result is at 10 rad, the measurement at 7 rad: turned back by 3 rad, modulo one revolution
+    assert found["lag_s"] == pytest.approx((3.0 / (2 * np.pi) % 1.0) * period, abs=period / 700)
+
+
+def test_over_the_angle_a_start_up_does_not_count(cosim: Cosim, result: Path) -> None:
+    """Neither in the figures nor in the envelope of the measurement, which would be too wide."""
+    assert cosim("compare", result, measured(Path("m.csv"), offset=0.2), "--set", "align=angle", "--set", "start=3 s",
+                 "--no-plots").exit_code == 0  # fmt: skip
+    found = document(result)
+    assert found["offset_nm"] == pytest.approx(0.2, abs=5e-3) and found["gain"] == pytest.approx(1.0, abs=1e-3)
+    assert found["envelope_inside"] < 0.1
+
+
+def test_speeds_that_differ_are_told(cosim: Cosim, result: Path) -> None:
+    rows = [f"{t!r},{v!r},{0.9 * SPEED}" for t, v in zip(TIME.tolist(), torque(0.9 * TIME).tolist(), strict=True)]
+    Path("slow.csv").write_text("\n".join(["time,torque,speed", *rows]) + "\n")
+    done = cosim("compare", result, "slow.csv", "--set", "align=none", "--no-plots")
+    turns = SPEED * TIME[-1] / (2 * np.pi)
+    expected = (
+        f"note: slow.csv: the crank makes {turns:.4g} revolutions in the result, {0.9 * turns:.4g} in the measurement "
+        "meanwhile, so that the two drift apart; align=angle compares them over the crank angle"
+    )
+    assert expected in done.stdout
+    assert "drift apart" not in cosim("compare", result, measured(Path("m.csv")), "--no-plots").stdout
 
 
 def test_the_verdict_gives_the_exit_code(cosim: Cosim, result: Path) -> None:

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 
 _HIGHEST = 20.0
 """Frequencies [Hz] up to which the spectra are reported."""
+_APART = 0.25
+"""Revolutions by which the cranks may drift apart before that is told."""
 _WORTH_A_NOTE = 0.01
 """An offset of the torque by this part of its range is told."""
 
@@ -145,6 +147,7 @@ def compare(
     measured = _of_measurement(measurement, options, notes)
     part = simulated.between(options.start, options.stop)
     if options.align == "angle":
+        measured = measured.between(options.start, options.stop)
         period = _period(measured)
         turns = _revolutions(part, measured, notes)
         pair, lag = _over_angle(part, measured)
@@ -161,7 +164,9 @@ def compare(
         pair, half_width = on_one_grid(part, aligned), options.tube_x
         # the revolutions of what is compared, not those of a longer measurement's start-up
         first, last = pair.time[0], pair.time[-1]
-        turns = _revolutions(part.between(first, last), aligned.between(first, last), notes)
+        both = part.between(first, last), aligned.between(first, last)
+        turns = _revolutions(*both, notes)
+        notes += _drift(*both)
     if options.smoothing != "none":
         length = max(3, round(AVERAGE * SAMPLE_TIME / (pair.step * period)))
         pair = Pair(pair.time, *(smooth(values, options.smoothing, length) for values in (pair.result, pair.measured)))
@@ -244,6 +249,19 @@ def _revolutions(result: Curve, measured: Curve, notes: list[str]) -> Revolution
         notes.append(f"no comparison over the revolution: {error}")
         return None
     return Revolutions(a, b, turned(a, b))
+
+
+def _drift(result: Curve, measured: Curve) -> list[str]:
+    """Tell of cranks that run at different speeds, so that no lag can lay one over the other."""
+    if result.angle is None or measured.angle is None:
+        return []
+    turns = [float(angle[-1] - angle[0]) / (2.0 * np.pi) for angle in (result.angle, measured.angle)]
+    if abs(turns[0] - turns[1]) < _APART:
+        return []
+    return [
+        f"the crank makes {turns[0]:.4g} revolutions in the result, {turns[1]:.4g} in the measurement meanwhile, so "
+        "that the two drift apart; align=angle compares them over the crank angle"
+    ]
 
 
 def _over_angle(result: Curve, measured: Curve) -> tuple[Pair, float]:

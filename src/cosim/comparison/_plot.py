@@ -100,7 +100,9 @@ def _revolution(axes: Axes, comparison: Comparison, turns: Revolutions) -> None:
         )
     axes.set_xlim(0.0, 360.0)
     axes.set_xticks(range(0, 361, 45))
-    axes.set_xlabel("crank angle [deg], bands from the least to the largest of all revolutions")
+    axes.set_xlabel(
+        "crank angle from the first instant on [deg]; bands from the least to the largest of all revolutions"
+    )
     axes.set_ylabel(_label(comparison))
     axes.grid(alpha=0.3)
     _legend_above(axes)
