@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.calibration._data import Data
-from cosim.calibration._model import OUTPUTS, Model
+from cosim.calibration._model import Model
 
 Array = NDArray[np.float64]
 
@@ -87,6 +87,7 @@ def collocate(model: Model, data: Data) -> Collocation:
 
 
 def _slope(nodes: Array, r: int, at: float) -> float:
+    """Derivative of the r-th Lagrange polynomial through the nodes."""
     others = [k for k in range(len(nodes)) if k != r]
     total = 0.0
     for k in others:
@@ -101,7 +102,6 @@ def _slope(nodes: Array, r: int, at: float) -> float:
 def _sampling(points: Array, times: Array) -> ca.DM:
     """Cubic interpolation through the four points around each instant."""
     first = np.clip(np.searchsorted(points, times) - 2, 0, len(points) - 4)
-    matrix = ca.DM(len(times), len(points))
     rows, columns, values = [], [], []
     for k, (start, t) in enumerate(zip(first.tolist(), times.tolist(), strict=True)):
         near = points[start : start + 4]
@@ -110,10 +110,4 @@ def _sampling(points: Array, times: Array) -> ca.DM:
             rows.append(k)
             columns.append(start + m)
             values.append(float(weight))
-    matrix = ca.DM.triplet(rows, columns, ca.DM(values), len(times), len(points))
-    return matrix
-
-
-def channel(name: str) -> int:
-    """Return the row of an output."""
-    return OUTPUTS.index(name)
+    return ca.DM.triplet(rows, columns, ca.DM(values), len(times), len(points))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +17,13 @@ Array = NDArray[np.float64]
 
 _INRUSH = 0.3
 """The motor is switched on where the current first exceeds this part of its largest value."""
-_AT_REST = 0.25
-"""A window that begins with the current below this part of its mean value begins at rest."""
+_LENGTH = 7.0
+"""How much [s] is fitted unless something else is asked for: three revolutions or more."""
+_SMOOTHED, _STARTED = 0.02, 0.1
+"""The supply is smoothed over the former [s], but not for the latter [s] after a start, where it sags."""
+_AFFINE = 1e-3
+"""A torque that a straight line takes from the current to within this part of its deviation is computed from it."""
+_FEWEST = 100
 
 
 @dataclass(frozen=True)
@@ -24,7 +31,7 @@ class Data:
     """Samples to fit: ``time`` [s] and ``supply`` [V] of shape (n,); ``current`` [A] and ``torque`` [N.m] likewise.
 
     ``torque`` is None unless it was measured independently of the current. ``noise`` are their standard deviations.
-    ``from_rest`` tells that the motor is switched on at the beginning.
+    ``from_rest`` tells that the motor is switched on at the beginning, ``synthetic`` that the data were computed.
     """
 
     name: str
@@ -34,11 +41,18 @@ class Data:
     torque: Array | None
     noise: tuple[float, float]
     from_rest: bool
+    synthetic: bool = False
+    source: str = ""
+    notes: tuple[str, ...] = ()
 
     def supply_at(self, times: Array) -> Array:
-        """Return the supply voltage at some instants, smoothed over 0.1 s."""
-        length = max(3, round(0.1 / float(np.median(np.diff(self.time)))))
-        return np.interp(times, self.time, zero_phase(self.supply, length))
+        """Return the supply voltage at some instants, smoothed but for the start."""
+        length = max(3, round(_SMOOTHED / float(np.median(np.diff(self.time)))))
+        smooth = zero_phase(self.supply, length)
+        if self.from_rest:
+            share = np.clip((self.time - self.time[0]) / _STARTED - 1.0, 0.0, 1.0)
+            smooth = share * smooth + (1.0 - share) * self.supply
+        return np.interp(times, self.time, smooth)
 
     def guess(self, model: Model, start: float, points: Array) -> tuple[Array, Array]:
         """Return a guess of q = [x0; theta] and w at the collocation points, both scaled.
@@ -84,12 +98,11 @@ class Data:
         return float(candidates[int(np.argmax(scores))])
 
 
-def data_of(measurement: Measurement, start: float | None, stop: float | None, revolutions: float = 3.0) -> Data:
-    """Cut out what is fitted: from where the motor is switched on, or ``start`` [s], to ``stop`` [s].
+def data_of(measurement: Measurement, start: float | None = None, stop: float | None = None) -> Data:
+    """Cut out what is fitted: from ``start`` [s], or where the motor is switched on if that is later, to ``stop`` [s].
 
     The current is the instantaneous one if there is one, since the average is delayed. A torque counts only if it is
-    not computed from the current, as that of the supplier's workbooks is. The default length is ``revolutions`` of
-    about 2.3 s.
+    not computed from the current, as that of the supplier's workbooks is. The default length is 7 s.
 
     Raises InputError if there is no current or voltage, or too little in the window.
     """
@@ -97,31 +110,73 @@ def data_of(measurement: Measurement, start: float | None, stop: float | None, r
     for column in ("current", "voltage"):
         if not measurement.has(column):
             raise InputError(f"{source}: the {column} was not measured; current and voltage are needed to fit")
-    instantaneous = "current_instantaneous" if measurement.has("current_instantaneous") else "current"
-    time, current = measurement.values("time"), measurement.values(instantaneous)
-    gaps = np.isnan(current)
-    current = np.interp(time, time[~gaps], current[~gaps])
+    time = measurement.values("time")
+    instantaneous = measurement.has("current_instantaneous")
+    current = _filled(time, measurement, "current_instantaneous" if instantaneous else "current")
     on = int(np.argmax(current >= _INRUSH * current.max()))
-    begin = time[on] if start is None else start
-    end = begin + 2.3 * revolutions if stop is None else stop
+    from_rest = on > 0 and (start is None or start <= time[on])
+    begin = float(time[on]) if start is None or from_rest else start
+    end = begin + _LENGTH if stop is None else stop
     inside = (time >= begin - 1e-9) & (time <= end + 1e-9)
-    if np.count_nonzero(inside) < 100:
-        raise InputError(f"{source}: {np.count_nonzero(inside)} samples from {begin:g} s to {end:g} s; 100 are needed")
-    supply = measurement.values("voltage")
-    holes = np.isnan(supply)
-    supply = np.interp(time, time[~holes], supply[~holes])
-    torque = None
-    if measurement.meta["torque_line"] is None and measurement.has("torque"):
-        torque = measurement.values("torque")[inside]
+    if np.count_nonzero(inside) < _FEWEST:
+        raise InputError(
+            f"{source}: {np.count_nonzero(inside)} samples from {begin:g} s to {end:g} s; {_FEWEST} are needed "
+            f"(the measurement goes from {time[0]:g} s to {time[-1]:g} s, the motor is on from {time[on]:g} s)"
+        )
+    torque: Array | None = None
+    notes: tuple[str, ...] = ()
+    if measurement.has("torque"):
+        if _computed(measurement):
+            notes = (f"{Path(source).name}: the torque is computed from the current and tells nothing of its own",)
+        else:
+            torque = _filled(time, measurement, "torque")[inside]
     return Data(
         name=measurement.name,
         time=time[inside],
-        supply=supply[inside],
+        supply=_filled(time, measurement, "voltage")[inside],
         current=current[inside],
         torque=torque,
         noise=(_noise(current[inside]), _noise(torque) if torque is not None else 1.0),
-        from_rest=start is None,
+        from_rest=from_rest,
+        source=source,
+        synthetic=measurement.meta["synthetic"],
+        notes=notes,
     )
+
+
+def distinct(data: Sequence[Data]) -> list[Data]:
+    """Give those of the same name the names of their files too, or else numbers."""
+    names = [each.name for each in data]
+    files = [f"{each.name}, {Path(each.source).name}" for each in data]
+    found = []
+    for number, (each, name, file) in enumerate(zip(data, names, files, strict=True), 1):
+        if names.count(name) > 1:
+            found.append(replace(each, name=file if files.count(file) == 1 else f"{file} [{number}]"))
+        else:
+            found.append(each)
+    return found
+
+
+def _filled(time: Array, measurement: Measurement, column: str) -> Array:
+    """A column with its gaps interpolated; reading has warned of them."""
+    values = measurement.values(column)
+    gaps = np.isnan(values)
+    return np.interp(time, time[~gaps], values[~gaps])
+
+
+def _computed(measurement: Measurement) -> bool:
+    """Whether the torque is a linear function of the current, as in the supplier's files."""
+    if measurement.meta["torque_line"] is not None:
+        return True
+    torque = measurement.values("torque")
+    for column in ("current", "current_instantaneous"):
+        if measurement.has(column):
+            current = measurement.values(column)
+            good = ~(np.isnan(torque) | np.isnan(current))
+            line = np.polynomial.Polynomial.fit(current[good], torque[good], 1)
+            if np.std(torque[good] - line(current[good])) <= _AFFINE * np.std(torque[good]):
+                return True
+    return False
 
 
 def _noise(values: Array) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 
 import casadi as ca
@@ -15,6 +16,7 @@ from cosim.dae.hybrid import SX
 from cosim.dae.symbolic import substitute
 from cosim.engine import Channel, Component, System, simulate
 from cosim.errors import InputError
+from cosim.fmu import catalogue
 from cosim.fmu.exporter import compile_model
 from cosim.linear import observed, symbols_behind
 
@@ -22,8 +24,9 @@ Array = NDArray[np.float64]
 
 OUTPUTS = ("i_motor", "tau_crank")
 """What can be measured: motor current [A] and torque on the gear's output shaft [N.m]."""
+_PLANT = "linkage"
 _SETTLED = 3.0
-"""The nominal run [s] is looked at from here on, for a whole revolution at least."""
+"""The nominal run is looked at from this time [s] on, for a whole revolution at least."""
 _NOMINAL_STOP = 12.0
 
 
@@ -47,24 +50,27 @@ class Model:
     their nominal values, of the same size where these are zero.
     """
 
-    def __init__(self, dae: Dae, names: Sequence[str], given: Mapping[str, float]) -> None:
+    def __init__(
+        self, dae: Dae, names: Sequence[str], given: Mapping[str, float] | None = None, kept: Path | None = None
+    ) -> None:
         """Hold the relations as they are in steady forward running.
 
         Args:
             dae: the plant's equations.
             names: the parameters to fit.
-            given: values of other parameters, and starting values of those to fit.
+            given: values of other parameters, and starting values of those to fit, in the model's units.
+            kept: where the FMU for the nominal run stays for the next time; see :func:`cosim.linear.observed`.
 
         Raises:
             InputError: there is no such parameter, or it cannot be fitted.
+            BuildError: there is no C compiler, or it failed.
         """
+        given = given or {}
         self.dae = dae
         self.names = tuple(names)
         independent = {p.scalar.name: p for p in dae.parameters if p.independent}
         for name in (*names, *given):
             if name not in independent:
-                from difflib import get_close_matches
-
                 near = get_close_matches(name, list(independent), n=3)
                 hint = f"; did you mean {' or '.join(near)}?" if near else ""
                 raise InputError(f"{dae.name} has no parameter '{name}'{hint}")
@@ -78,7 +84,7 @@ class Model:
         fixed = {name: value for name, value in values.items() if name not in names}
         self.values = values
         self._given = {name: value for name, value in values.items() if value != dae.parameter_values[name]}
-        self.nominal, d, c = self._run()
+        self.nominal, d, c = self._run(kept)
         self.rhs, self.relations = self._functions(fixed, d, c)
 
     @property
@@ -100,18 +106,22 @@ class Model:
         rows = {"duty": np.ones(len(supply)), "v_supply": supply}
         return np.array([rows.get(s.name, np.zeros(len(supply))) for s in self.dae.inputs])
 
-    def changed(self, x: Array, z: Array, u: Array, theta: Array) -> list[str]:
-        """Return the relations, as text, that are not as they are held at some values."""
-        values = np.array(self.relations(x, z, u, theta)).ravel().tolist()
-        found = []
-        for (text, strict, held), g in zip(self._watched, values, strict=True):
-            if (g > 0.0 if strict else g >= 0.0) != held:
-                found.append(text)
-        return found
+    def first_change(self, x: Array, z: Array, u: Array, theta: Array) -> tuple[int, str] | None:
+        """Return the first column at which a relation is not as it is held, and its text; None if there is none."""
+        held = self._watched
+        if not held:
+            return None
+        values = np.array(self.relations.map(x.shape[1])(x, z, u, ca.repmat(theta, 1, x.shape[1])), dtype=np.float64)
+        true = np.array([row > 0.0 if strict else row >= 0.0 for row, (_, strict, _) in zip(values, held, strict=True)])
+        changed = true != np.array([value for _, _, value in held])[:, None]
+        if not changed.any():
+            return None
+        column = int(np.argmax(changed.any(axis=0)))
+        return column, held[int(np.argmax(changed[:, column]))][0]
 
-    def _run(self) -> tuple[Nominal, dict[str, float], dict[str, float]]:
+    def _run(self, kept: Path | None) -> tuple[Nominal, dict[str, float], dict[str, float]]:
         """Run with the nominal parameters; return what is steady, and the discrete variables and relations there."""
-        with observed(self.dae) as inside:
+        with observed(self.dae, kept) as inside:
             component = Component("model", inside.fmu, dict(self._given))
             channels = [Channel(("model", "duty"), [0.0], [1.0])]
             result = simulate(
@@ -175,9 +185,18 @@ class Model:
         return ca.Function("rhs", arguments, expressions), ca.Function("relations", arguments, [indicators])
 
 
-def linkage_model(names: Sequence[str], given: Mapping[str, float], library: Path) -> Model:
-    """Return the model of LinkagePlant in the library WiperDrive at ``library``."""
-    return Model(compile_model(library, "WiperDrive.Systems.LinkagePlant"), names, given)
+def linkage_equations() -> Dae:
+    """Return the equations of the built-in plant with the linkage. Raises ModelError if they cannot be compiled."""
+    entry = catalogue.entry_of(_PLANT)
+    return compile_model(entry.source, entry.model)
+
+
+def linkage_model(names: Sequence[str], given: Mapping[str, float] | None = None, dae: Dae | None = None) -> Model:
+    """Return the built-in plant with the linkage, with some parameters free; arguments and errors as of Model.
+
+    ``dae`` are its equations, if they are at hand.
+    """
+    return Model(dae or linkage_equations(), names, given, catalogue.scratch(_PLANT, "observed"))
 
 
 def _column(values: Sequence[SX]) -> SX:

@@ -13,6 +13,10 @@ Array = NDArray[np.float64]
 
 _UNKNOWN = 0.1
 """A combination of parameters with a relative standard error above this is not determined by the data."""
+_NO_NOISE = 1e-12
+_SAME = 0.1
+"""Coefficients that differ by less than this part of the largest one are called the same."""
+_ANY = 1e3
 _TAKES_PART = 0.2
 """A parameter takes part in a combination with at least this much of its largest coefficient."""
 
@@ -53,13 +57,30 @@ class Direction:
         ordered = sorted(self.coefficients, key=lambda name: -abs(self.coefficients[name]))
         return [name for name in ordered if abs(self.coefficients[name]) >= _TAKES_PART * largest]
 
+    def told(self) -> str:
+        """Say in words what cannot be told apart."""
+        names = self.parts()
+        effect = f"changes {'nothing that was measured' if self.error > 1.0 else 'what was measured only a little'}"
+        spread = f"standard error {self.error:.2g} times the values" if self.error < _ANY else "by any factor"
+        if len(names) == 1:
+            return f"{names[0]} is not determined: changing it {effect} ({spread})"
+        listed = ", ".join(sorted(names))
+        shares = np.array([self.coefficients[name] for name in names])
+        if np.ptp(shares) <= _SAME * np.abs(shares).max():
+            return f"cannot be told apart: {listed}; scaling all by the same factor {effect} ({spread})"
+        moves = " and ".join(
+            f"{'raising' if share > 0.0 else 'lowering'} {name} by {abs(share / shares[0]):.2g} %"
+            for name, share in zip(names, shares, strict=True)
+        )
+        return f"cannot be told apart: {listed}; {moves} {effect} ({spread})"
+
 
 @dataclass(frozen=True)
 class Uncertainty:
     """Standard errors (of the parameters over their scales), correlation, and the directions from best to worst.
 
     ``chi`` is the root of the mean square of all residuals over their noise: 1 if the model is right and the noise as
-    assumed; errors are multiplied by it.
+    assumed. The data count as if their noise were larger by it; priors count as they are given.
     """
 
     names: tuple[str, ...]
@@ -116,15 +137,15 @@ def uncertainty(names: Sequence[str], parts: Sequence[Sensitivity], priors: Arra
         # what a change of the initial state can make up for says nothing of the parameters
         basis, _ = np.linalg.qr(part.by_state)
         projected.append(part.by_theta - basis @ (basis.T @ part.by_theta))
-    jacobian = np.vstack([*projected, np.diag(priors)])
     count = sum(len(part.residuals) for part in parts)
     squares = sum(float(part.residuals @ part.residuals) for part in parts)
     freedom = max(count - len(names) - sum(part.by_state.shape[1] for part in parts), 1)
     chi = float(np.sqrt(squares / freedom))
+    jacobian = np.vstack([*(each / max(chi, _NO_NOISE) for each in projected), np.diag(priors)])
     relative = jacobian * np.where(theta == 0.0, 1.0, theta)
     _, values, rows = np.linalg.svd(relative, full_matrices=False)
     tiny = np.finfo(float).eps * max(float(values[0]), 1e-300) * len(jacobian)
-    spread = chi / np.maximum(values, tiny)
+    spread = 1.0 / np.maximum(values, tiny)
     covariance = (rows.T * spread**2) @ rows
     errors = np.sqrt(np.diag(covariance))
     directions = tuple(

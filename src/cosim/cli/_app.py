@@ -32,6 +32,7 @@ app.command(name="disturbance")(_scenarios.disturbance)
 app.command(name="linearize")(_models.linearize)
 app.command(name="thesis")(_results.thesis)
 app.command(name="compare")(_results.compare)
+app.command(name="calibrate")(_results.calibrate)
 app.command(name="score")(_results.score)
 app.add_typer(_measurements.app)
 

@@ -1,4 +1,4 @@
-"""Commands on results, and the reproduction of the thesis.
+"""Commands on results and measurements, and the reproduction of the thesis.
 
 What a command needs is imported when it runs, so that ``--help`` is quick.
 """
@@ -102,6 +102,76 @@ def compare(
             plots=plots,
         )
         raise typer.Exit(code)
+
+
+def calibrate(
+    measurements: Annotated[
+        list[Path],
+        typer.Argument(metavar="MEASUREMENT...", help="Files: .xlsx, .mat, .csv or .mf4.", show_default=False),
+    ],
+    *,
+    fitted: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--fit",
+            metavar="NAME[=START][:LOW..HIGH]",
+            help="Fit this parameter of the plant, such as 'ext_load=3:0..10'; numbers in its unit or with one. "
+            "Repeatable.",
+        ),
+    ] = None,
+    local: Annotated[
+        list[str] | None,
+        typer.Option("--local", metavar="NAME...", help="As --fit, but each measurement has its own value."),
+    ] = None,
+    priors: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--prior", metavar="NAME=VALUE+-DEVIATION", help="What is known of a fitted parameter. Repeatable."
+        ),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="A parameter that is not fitted. Repeatable."),
+    ] = None,
+    hold_out: Annotated[
+        list[Path] | None,
+        typer.Option("--hold-out", metavar="FILE", help="Predict this measurement, do not fit it. Repeatable."),
+    ] = None,
+    measured_columns: MeasuredColumns = None,
+    start: Annotated[
+        str | None, typer.Option(metavar="TIME", help="Fit from here on; default: from where the motor is switched on.")
+    ] = None,
+    stop: Annotated[str | None, typer.Option(metavar="TIME", help="Fit up to here; default: for 7 s.")] = None,
+    robust: Annotated[bool, typer.Option("--robust", help="Let outliers count less.")] = False,
+    iterations: Annotated[int, typer.Option("--iterations", min=0, metavar="N", help="At most so many.")] = 200,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="The parameter file, for cosim run --params.")] = Path(
+        "calibrated.json"
+    ),
+    require: Annotated[
+        bool, typer.Option("--require", help="End with 1 unless the data determine all that is fitted.")
+    ] = False,
+    plots: Plots = True,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Fit parameters of the built-in plant with the linkage to measured current and, if there is one, torque."""
+    screen = Screen(quiet=quiet, as_json=as_json)
+    with reporting(screen):
+        from cosim.cli._calibrate import Request, calibrate_files
+
+        request = Request(
+            fit=fitted or [],
+            local=local or [],
+            priors=priors or [],
+            settings=settings or [],
+            hold_out=hold_out or [],
+            columns=measured_columns or [],
+            start=start,
+            stop=stop,
+            robust=robust,
+            iterations=iterations,
+        )
+        raise typer.Exit(calibrate_files(measurements, request, out, screen, require=require, plots=plots))
 
 
 def score(

@@ -130,6 +130,16 @@ def is_own(path: Path, sha256: str) -> bool:
     return True
 
 
+def scratch(name: str, purpose: str) -> Path:
+    """A folder in the user's cache for what is made from an entry; another one as soon as the FMU would be.
+
+    Raises:
+        InputError: there is no such entry.
+    """
+    digest = hashlib.sha256(f"{_hash(entry_of(name))} {purpose}".encode()).hexdigest()
+    return _cache_folder() / "scratch" / digest[:32]
+
+
 def has(path: Path) -> bool:
     """Whether this file is the FMU of an entry, where such are built, and up to date."""
     if path.resolve().parent != build_folder().resolve():

@@ -32,13 +32,25 @@ Given = Mapping[str, float | str]
 
 
 @contextmanager
-def observed(dae: Dae) -> Iterator[Observed]:
-    """Build the FMU that tells everything of its inside; it exists inside the ``with`` only.
+def observed(dae: Dae, kept: Path | None = None) -> Iterator[Observed]:
+    """Build the FMU that tells everything of its inside; it exists inside the ``with`` only, unless it is kept.
+
+    Args:
+        dae: the model.
+        kept: a folder in which the FMU stays for the next time. Its name has to tell what the FMU is made from.
 
     Raises:
         BuildError: there is no C compiler, or it failed.
     """
     telling, columns = _telling(dae)
+    if kept is not None:
+        from filelock import FileLock
+
+        kept.mkdir(parents=True, exist_ok=True)
+        with FileLock(kept / "lock"):
+            path = next(iter(kept.glob("*.fmu")), None) or pack(telling, kept)
+        yield Observed(dae, Fmu.read(path), columns)
+        return
     with tempfile.TemporaryDirectory(prefix="cosim-linear-") as folder:
         yield Observed(dae, Fmu.read(pack(telling, Path(folder))), columns)
 
