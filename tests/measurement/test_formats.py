@@ -125,6 +125,8 @@ def test_a_result_of_a_run_reads_as_a_measurement(tmp_path: Path) -> None:
     path.write_text("time [s],plant.tau_crank [N.m],plant.w_crank [rad/s]\n0,1,2\n0.5,3,4\n")
     measurement = read(path)
     assert measurement.values("torque").tolist() == [1.0, 3.0] and measurement.speed().tolist() == [2.0, 4.0]
+    path.write_text("time [s],plant.T_motor [N.m],plant.tau_crank [N.m]\n0,1,2\n0.5,3,4\n")
+    assert read(path).values("torque").tolist() == [2.0, 4.0]  # that of the shaft, not that before the gear
 
 
 @pytest.mark.parametrize(

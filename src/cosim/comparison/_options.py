@@ -32,10 +32,10 @@ class Options:
     """What is compared, how it is aligned, and how wide the tube is.
 
     ``start`` and ``stop`` [s] bound the part of the result that counts; over the crank angle, also that of the
-    measurement. "correlation" looks for lags up to ``lag_most`` [s] either way. ``smoothing`` is applied to both signals
-    alike. ``torque_zero`` says where a workbook's torque is zero: at its onset, as the source makes it, or where its
-    line of current over torque says so. The tube's half width is ``tube_x`` [s], its half height the larger of
-    ``tube_y`` (in the quantity's unit) and ``tube_y_relative`` times the range of the measurement.
+    measurement. "correlation" looks for lags up to ``lag_most`` [s] either way. ``smoothing`` is applied to both
+    signals alike. ``torque_zero`` says where a workbook's torque is zero: at its onset, as the source makes it, or
+    where its line of current over torque says so. The tube's half width is ``tube_x`` [s], its half height the larger
+    of ``tube_y`` (in the quantity's unit) and ``tube_y_relative`` times the range of the measurement.
     """
 
     quantity: Quantity = "torque"

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 NAMES: dict[str, tuple[str, ...]] = {
     "time": ("time", "t"),
-    "torque": ("torque", "t_motor", "tau_crank", "motor torque"),
+    "torque": ("torque", "tau_crank", "t_motor", "motor torque"),
     "speed": ("speed", "w_crank", "s"),
     "current": ("current", "i_motor", "i", "a_avg"),
     "voltage": ("voltage", "v_supply", "v_motor", "v_meas"),
