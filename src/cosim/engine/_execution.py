@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 from cosim.engine._calls import Site
 from cosim.engine._initialize import initialize
-from cosim.engine._instance import CallError, Instance, instantiate
+from cosim.engine._instance import CallError, Instance
+from cosim.engine._instances import instantiate
 from cosim.engine._library import native_library
 from cosim.engine._loop import run, run_jacobi
 from cosim.engine._native import run_native

@@ -11,7 +11,8 @@ from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_step
 from cosim.engine._calls import Site
 from cosim.engine._execution import Ending, Job
 from cosim.engine._initialize import initialize
-from cosim.engine._instance import CallError, instantiate
+from cosim.engine._instance import CallError
+from cosim.engine._instances import instantiate
 from cosim.engine._isolation import Isolate, Progress, is_isolated, supervised
 from cosim.engine._loop import run, run_jacobi
 from cosim.engine._parameters import parameters_of

@@ -343,16 +343,3 @@ class Fmi3Instance(Instance):
 def _has_own_reference(variable: Variable, last: Variable | None) -> bool:
     """Tell whether a variable needs a reference of its own after the last one: an array has one for all elements."""
     return variable.array is None or last is None or last.array != variable.array
-
-
-def instantiate(name: str, fmu: Fmu, event_mode: bool, site: Site | None = None) -> Instance:
-    """Return a new instance of an FMU, whose calls are noted at ``site``; raises FmuError if the FMU refuses."""
-    if fmu.interface == "ModelExchange":
-        from cosim.engine._exchange import Fmi2Exchange, Fmi3Exchange
-
-        return (Fmi2Exchange if fmu.fmi_version == "2.0" else Fmi3Exchange)(name, fmu, event_mode, site)
-    if fmu.fmi_version == "1.0":
-        from cosim.engine._slave1 import Fmi1Instance
-
-        return Fmi1Instance(name, fmu, event_mode, site)
-    return (Fmi2Instance if fmu.fmi_version == "2.0" else Fmi3Instance)(name, fmu, event_mode, site)

@@ -10,7 +10,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 from cosim.engine._calls import Site
-from cosim.engine._instance import CallError, Instance, instantiate
+from cosim.engine._instance import CallError, Instance
+from cosim.engine._instances import instantiate
 from cosim.engine._parameters import parameters_of
 from cosim.engine._system import Component
 from cosim.engine._variable import OPAQUE, Value, Variable

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * A Model Exchange FMU as CVode sees it: the derivatives of its states, and its event indicators as roots. The same calls
- * in the same order as in cosim/engine/_exchange.py, without Python in between.
+ * in the same order as in cosim/engine/_integration.py, without Python in between.
  */
 #define DISCARD 2 /* the FMU cannot be evaluated there: a shorter step may help */
 #define NOWHERE (-1)
