@@ -168,7 +168,11 @@ int exchange_enter_continuous_time_mode(Simulation *m, const char *function)
     if (s->watched.reinitialised)
         return instance_error(m, "%s: the inputs set last have given states new values; update the discrete states once "
                               "more, and take these values over.", function);
-    if (!simulation_arm_indicators(m)) return instance_failed(m);
+    if (MODEL_NG > 0) {
+        const double *v = simulation_values(m, STORE_UNKNOWN);
+        if (!v) return instance_failed(m);
+        simulation_arm_indicators(m, v);
+    }
     s->watched.event = s->watched.completed[0] = s->watched.completed[1] = s->t;
     s->mode = CONTINUOUS_TIME_MODE;
     return STATUS_OK;

@@ -35,13 +35,10 @@ static void measure(Simulation *m)
         if (!(s->watched.size[k] > 0.0)) s->watched.size[k] = 1.0;
 }
 
-int simulation_arm_indicators(Simulation *m)
+void simulation_arm_indicators(Simulation *m, const double *v)
 {
     State *s = &m->s;
     double g[MODEL_ROOM(MODEL_NG)];
-    if (MODEL_NG == 0) return 1;
-    const double *v = simulation_values(m, STORE_UNKNOWN);
-    if (!v) return 0;
     if (!s->watched.measured) measure(m);
     s->watched.measured = 1;
     simulation_relations(m, s->t, v, g);
@@ -50,7 +47,6 @@ int simulation_arm_indicators(Simulation *m)
         s->watched.shift[k] = fabs(g[k]) < least ? least : 0.0;
     }
     m->have = 0;
-    return 1;
 }
 
 int simulation_note_state_event(Simulation *m)

@@ -203,9 +203,10 @@ static inline int simulation_is_watched(int k)
     return RELATION_SLOPE(k) == 0.0;
 }
 
-/* The relations' event indicators at s.t and v, NG of them, and what is left to do for them after an event. */
+/* The relations' event indicators at s.t and v, NG of them, and what is left to do for them after an event; v is what
+ * simulation_values gives. */
 void simulation_indicators(const Simulation *m, const double *v, double *z);
-int simulation_arm_indicators(Simulation *m);
+void simulation_arm_indicators(Simulation *m, const double *v);
 /* Which relations have changed when an importer comes with an event: count and log it, refuse to follow chattering. */
 int simulation_note_state_event(Simulation *m);
 const char *simulation_changing_relations(const Simulation *m, char *text, size_t size);
