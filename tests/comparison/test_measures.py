@@ -186,6 +186,18 @@ def test_over_the_angle_the_speed_does_not_matter() -> None:
     assert share_inside(envelope(a), envelope(over_angle(turning("c", 4.4, 0.0, 1.3))), 0) == 0.0
 
 
+def test_a_signal_shorter_than_a_sample_of_the_other() -> None:
+    long, short = Curve("long", np.arange(5.0), np.arange(5.0)), Curve("short", np.array([0.0, 0.5]), np.arange(2.0))
+    for method in ("correlation", "onset"):
+        with pytest.raises(InputError, match=r"^short: 0.5 s are too short to align, with samples 1 s apart$"):
+            find_lag(long, short, method)  # type: ignore[arg-type]
+
+
+def test_an_angle_in_another_unit() -> None:
+    with pytest.raises(InputError, match=r"^a: 12000 samples of 1.91e\+04 revolutions are too few; is the unit"):
+        over_angle(turning("a", 1e4, 0.0))
+
+
 def test_too_few_revolutions() -> None:
     with pytest.raises(InputError, match=r"^a: the crank makes 0.19 revolutions; at least two are needed$"):
         over_angle(turning("a", 0.1, 0.0))

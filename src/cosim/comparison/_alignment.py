@@ -23,6 +23,8 @@ _ONSET_WINDOW = 0.2
 """Seconds before and after an onset that are held against each other: 100 of the supplier's samples."""
 _LEAST_RISE = 0.05
 """An onset rises by this part of the signal's range at least."""
+_MOST_TURNS = 0.25
+"""Revolutions from one sample to the next: more say nothing about one."""
 POINTS = 720
 """Samples of a revolution in the domain of the crank angle."""
 
@@ -84,6 +86,8 @@ def correlation_lag(result: Curve, measured: Curve, most: float = np.inf) -> flo
 
 def _uniform(curve: Curve, step: float) -> Array:
     length = curve.time[-1] - curve.time[0]
+    if length < step * (1.0 - 1e-9):
+        raise InputError(f"{curve.name}: {length:g} s are too short to align, with samples {step:g} s apart")
     grid = Curve("", curve.time[0] + step * np.arange(int(length / step * (1 + 1e-9)) + 1), np.empty(0))
     return on_one_grid(curve, replace(grid, values=np.zeros(len(grid.time)))).result
 
@@ -125,6 +129,11 @@ def over_angle(curve: Curve) -> Curve:
     moving = np.concatenate(([True], np.diff(turns) > 0))
     if turns[-1] < 2.0:
         raise InputError(f"{curve.name}: the crank makes {turns[-1]:.2f} revolutions; at least two are needed")
+    if turns[-1] > _MOST_TURNS * len(turns):
+        raise InputError(
+            f"{curve.name}: {len(turns)} samples of {turns[-1]:.4g} revolutions are too few; is the unit of the angle "
+            "or the speed right?"
+        )
     grid = np.arange(int(turns[-1] * POINTS) + 1) / POINTS
     seen = Curve(curve.name, turns[moving], curve.values[moving])
     # what 720 samples cannot show must not be folded down; a crank that all but stands still has no rate to filter at

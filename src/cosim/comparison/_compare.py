@@ -148,9 +148,9 @@ def compare(
     part = simulated.between(options.start, options.stop)
     if options.align == "angle":
         measured = measured.between(options.start, options.stop)
-        period = _period(measured)
         turns = _revolutions(part, measured, notes)
         pair, lag = _over_angle(part, measured)
+        period = _period(measured)
         half_width = options.tube_x / _period(part)
         lag *= period
     else:

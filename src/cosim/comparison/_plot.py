@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cosim.colours import BLACK, BLUE, RED
 from cosim.comparison._alignment import POINTS
 from cosim.comparison._compare import Comparison, Revolutions
 from cosim.errors import InputError
@@ -15,8 +16,7 @@ from cosim.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Okabe and Ito's colours, which stay apart for colour-blind readers.
-_RESULT, _MEASURED, _OUTSIDE = "#0072B2", "#000000", "#D55E00"
+_RESULT, _MEASURED, _OUTSIDE = BLUE, BLACK, RED
 _DPI = 110
 
 

@@ -7,14 +7,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.colours import BLACK, BLUE, GREEN, ORANGE, PINK, RED, SKY
 from cosim.errors import InputError
 from cosim.linear._system import LinearSystem
 
 _LINES = (
-    ("#0072B2", "-"), ("#D55E00", "--"), ("#009E73", "-."), ("#CC79A7", ":"), ("#E69F00", "-"), ("#56B4E9", "--"),
-    ("#000000", "-."),
+    (BLUE, "-"), (RED, "--"), (GREEN, "-."), (PINK, ":"), (ORANGE, "-"), (SKY, "--"),
+    (BLACK, "-."),
 )  # fmt: skip
-"""Okabe and Ito's colours, which stay apart for colour-blind readers, and line styles for those who print in grey."""
+"""Colours, and line styles for those who print in grey."""
 _MOST_INPUTS = 4
 _POINTS = 600
 _ROUNDING = 1e-12

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cosim.colours import BLUE, RED
 from cosim.errors import InputError
 from cosim.measurement._measurement import COLUMNS, Measurement
 from cosim.measurement._processing import AVERAGE, correlation_onset, moving_average, zero_phase
@@ -123,8 +124,8 @@ def _lines(axes: Axes, measurement: Measurement, stop: float) -> None:
     shown = time <= stop
     for values, colour, width, label in (
         (torque, "0.75", 0.8, "unsmoothed"),
-        (moving_average(torque, length), "#D55E00", 1.2, f"moving average of {length} samples (the source's)"),
-        (zero_phase(torque, length), "#0072B2", 1.2, "zero-phase filter of the same width"),
+        (moving_average(torque, length), RED, 1.2, f"moving average of {length} samples (the source's)"),
+        (zero_phase(torque, length), BLUE, 1.2, "zero-phase filter of the same width"),
     ):
         axes.plot(time[shown], values[shown], color=colour, linewidth=width, label=label)
     axes.set_ylabel("torque [N.m]")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.colours import BLACK, BLUE, GREEN, ORANGE, PINK, RED, SKY
 from cosim.engine import Result
 from cosim.errors import InputError
 from cosim.units import compatible, linear_map, parse
@@ -19,8 +20,7 @@ if TYPE_CHECKING:
 
 FIGURES = ("overview", "detail", "motion", "others")
 
-# Okabe and Ito's colours, which stay apart for colour-blind readers; yellow is left out, it is too pale for a line.
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+_COLOURS = (BLUE, RED, GREEN, PINK, SKY, ORANGE, BLACK)
 _DETAIL_SECONDS = 4.0
 _MOST_LINES = 7
 _MOST_PANELS = 16

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Okabe and Ito's colours, which stay apart for colour-blind readers; the lines differ in style or place besides.
-BLUE, RED, GREEN, ORANGE, PINK, GREY = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#999999"
+# the lines differ in style or place besides
+GREY = "#999999"
 
 
 def canvas(title: str, *, rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0, 4.5)) -> tuple[

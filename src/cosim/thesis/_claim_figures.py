@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.assessment import Method, score
+from cosim.colours import BLUE, GREEN, ORANGE, RED
 from cosim.engine import Result
-from cosim.thesis._canvas import BLUE, GREEN, GREY, ORANGE, RED, canvas, legend, save
+from cosim.thesis._canvas import GREY, canvas, legend, save
 from cosim.thesis._evidence import Evidence
 from cosim.thesis._readings import DIP
 from cosim.thesis._runs import RigRun

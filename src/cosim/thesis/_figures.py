@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from cosim.colours import BLUE, GREEN, ORANGE, PINK, RED
 from cosim.engine import Result
-from cosim.thesis._canvas import BLUE, GREEN, GREY, ORANGE, PINK, RED, canvas, legend, save
+from cosim.thesis._canvas import GREY, canvas, legend, save
 from cosim.thesis._kinematics import Drawing
 from cosim.thesis._measured import Measured
 from cosim.thesis._pwm import Pwm

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cosim.thesis._canvas import BLUE, GREEN, GREY, ORANGE, PINK, RED, save
+from cosim.colours import BLUE, GREEN, ORANGE, PINK, RED
+from cosim.thesis._canvas import GREY, save
 from cosim.thesis._runs import SAMPLE_TIMES
 from cosim.thesis._sensitivity import Responses, Study
 from cosim.thesis._sensitivity_factors import FACTORS
