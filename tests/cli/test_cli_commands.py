@@ -43,6 +43,12 @@ def test_build(cosim: Cosim) -> None:
             ("build", "--fmi", "1.0"),
             "--fmi 1.0: FMUs are built for FMI 3.0 or 2.0; accepted are 3.0, 2.0, both",
         ),
+        (
+            ("build", "--platform", "all,x86_64-linux"),
+            "--platform all,x86_64-linux: 'all' stands alone; give it without others, or a list of x86_64-linux, "
+            "aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin",
+        ),
+        (("check", "x.fmu", "--timeout", "30"), "--timeout 30: write a time above 0, such as '60 s' or '5 min'"),
         (("info", "x.fmu"), "x.fmu: there is no such FMU"),
         (("export", "x.mo", "P.M"), "x.mo: there is no such Modelica file or folder"),
     ],
@@ -160,3 +166,29 @@ def test_a_run_leaves_the_compiler_alone(tmp_path: Path) -> None:
         "assert not heavy, heavy"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
+
+
+def test_a_path_that_cannot_be_used_is_a_message(cosim: Cosim, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever a command does with it: here the folder to build into is a file."""
+
+    def build(*_: object, **__: object) -> list[Path]:
+        (Path("taken") / "fmus").mkdir(parents=True)
+        return []
+
+    Path("taken").touch()
+    monkeypatch.setattr("cosim.cli._builtin.build_all", build)
+    done = cosim("build", "--out", "taken", "--json")
+    assert done.exit_code == 2
+    message = f"{Path('taken/fmus')}: cannot be read or written: Not a directory; give another path"
+    assert done.stderr == f"error: {message}\n"
+    assert json.loads(done.stdout) == {"error": message, "exit_code": 2}
+
+
+@pytest.mark.parametrize("group", [(), ("measurements",)])
+def test_help_tells_all_of_what_each_command_does(
+    cosim: Cosim, monkeypatch: pytest.MonkeyPatch, group: tuple[str, ...]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    commands = cosim(*group, "--help").stdout.partition("Commands:\n")[2].splitlines()
+    assert commands
+    assert not [line for line in commands if line.endswith("...")]

@@ -94,8 +94,9 @@ def test_columns_can_be_named(cosim: Cosim, made: Path) -> None:
         (["--set", "early=5 m"], "--set early=5 m: early is in s"),
         (["--set", "early=soon"], "'soon' is not a number with a unit"),
         (["--set", "unfinished=2"], "--set unfinished=2: accepted are true and false"),
-        (["--set", "repeats=sum"], "repeats 'sum': accepted are grouped and separate"),
+        (["--set", "repeats=sum"], "--set: repeats 'sum': accepted are grouped and separate"),
         (["--column", "park"], "--column park: write signal=column"),
+        (["--column", "prk=plant.park"], "--column prk=plant.park: there is no 'prk'; accepted are park, state, "),
     ],
 )  # fmt: skip
 def test_wrong_options_are_refused(cosim: Cosim, made: Path, options: list[str], message: str) -> None:

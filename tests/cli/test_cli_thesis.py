@@ -18,7 +18,7 @@ Cosim = Callable[..., Result]
         (["--measured", "nothing.csv"], "nothing.csv: there is no such measurement"),
         (["--measured", "force.csv"], "force.csv: no column for the torque or current among time, force"),
         (["--set", "earl=1"], "--set earl=1: there is no 'earl'; accepted are span, early, late"),
-        (["--set", "early=-1 s"], "early -1.0 s: a tolerance of the park prediction must not be negative"),
+        (["--set", "early=-1 s"], "--set: early -1.0 s: a tolerance of the park prediction must not be negative"),
     ],
 )
 def test_what_is_wrong_is_refused_at_once(

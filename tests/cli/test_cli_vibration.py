@@ -34,7 +34,7 @@ def test_the_table(cosim: Cosim, runs: tuple[Path, Path]) -> None:
     assert (done.exit_code, done.stderr) == (0, "")
     lines = done.stdout.splitlines()
     rows = {line.partition("  ")[0]: line.split()[-3:] for line in lines[1:] if "[" in line}
-    assert lines[0].split() == ["strong", "weak", "strong", ":", "weak"]
+    assert lines[0].split() == ["strong", "weak", "ratio"]
     assert rows["crank torque, peak [N.m]"] == ["4", "2", "2"]
     assert rows["crank torque, RMS [N.m]"] == ["2.828", "1.414", "2"]
     assert "strong, strongest lines of the crank torque: 4 N.m at 2 Hz" in done.stdout

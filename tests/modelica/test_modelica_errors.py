@@ -142,7 +142,9 @@ def test_a_class_that_is_not_there_is_named() -> None:
     file = BAD / "Delay.mo"
     with pytest.raises(ModelError) as caught:
         compile_model(file, "Delayed")
-    expected = f"{file}: there is no class 'Delayed' in this text; give its full name, package and all"
+    expected = (
+        f"{file}: there is no class 'Delayed' in this text, did you mean 'Delay'?; give its full name, package and all"
+    )
     assert str(caught.value) == expected
 
 

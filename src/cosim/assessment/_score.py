@@ -25,6 +25,8 @@ DECELERATIONS = ("turn_point_dec", "Soft_stop")
 """States in which the profile lowers the voltage."""
 ONCE = ("turn_point_acc", "turn_point_dec", "Soft_start", "Soft_stop")
 """States that criterion 3 allows once between two park signals."""
+LOOKED_AT = ("park", "state", "phi_crank", "enable")
+"""Signals that are looked at in a run."""
 COARSEST = 5e-3
 """Largest distance of rows that can be scored [s]: at full voltage the park contact is closed for about 12 ms."""
 _NEAR = 0.25

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+MEASURED = ("tau_crank", "i_motor", "v_motor", "w_motor", "w_crank", "w_ds", "w_ps", "phi_crank", "park")
+"""Signals that are looked at in a run."""
+
+
 @dataclass(frozen=True)
 class Measure:
     """A number about a run: what it is, in which unit."""
@@ -109,7 +113,11 @@ class _Run:
         self.trace, self.method = trace, method
         inside = (trace.time >= method.since) & (trace.time <= method.until)
         if inside.sum() < 2:
-            raise InputError(f"{trace.name}: no two rows between {method.since:g} s and {method.until:g} s")
+            upto = f" up to {method.until:g} s" if method.until < np.inf else ""
+            raise InputError(
+                f"{trace.name}: no two rows from {method.since:g} s on{upto}; "
+                f"the run has rows from {trace.time[0]:g} s to {trace.time[-1]:g} s"
+            )
         self.inside = inside
         self.time = trace.time[inside]
         self.notes = [] if trace.complete else ["the run ended early: its result is marked incomplete"]

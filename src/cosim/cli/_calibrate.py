@@ -11,7 +11,7 @@ from pathlib import Path
 import typer
 
 from cosim.calibration import Fit, Free, data_of, draw_fit, fit, linkage_equations, linkage_model, write_fit
-from cosim.cli._choices import aliases, table
+from cosim.cli._choices import measured, table
 from cosim.cli._screen import Screen, warned
 from cosim.errors import InputError
 from cosim.measurement import read
@@ -53,7 +53,7 @@ def calibrate_files(
         None if request.start is None else _seconds(request.start, "--start"),
         None if request.stop is None else _seconds(request.stop, "--stop"),
     )
-    names = aliases(request.columns, "--measured-column quantity=name, such as --measured-column torque=M")
+    names = measured(request.columns)
     with warned(screen):
         data = [data_of(read(path, columns=names), *window) for path in measurements]
         held_out = [data_of(read(path, columns=names), *window) for path in request.hold_out]

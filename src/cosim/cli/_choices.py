@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import Field, fields
 from pathlib import Path
 from typing import Any, TypeVar
@@ -28,7 +28,10 @@ def choices(kind: type[Choices], settings: Sequence[str]) -> Choices:
         if name not in known:
             raise InputError(f"--set {text}: there is no '{name}'; accepted are {', '.join(known)}")
         given[name] = _value(known[name], value, text, given)
-    return kind(**given)
+    try:
+        return kind(**given)
+    except InputError as error:
+        raise InputError(f"--set: {error}") from error
 
 
 def _unit(entry: Field[Any], given: Mapping[str, object]) -> Unit:
@@ -72,17 +75,30 @@ def _plain(value: str, text: str) -> float:
 
 
 def aliases(
-    columns: Sequence[str], how: str = "--column signal=column, such as --column park=sensor.contact"
+    columns: Sequence[str],
+    known: Collection[str],
+    how: str = "--column signal=column, such as --column park=sensor.contact",
 ) -> dict[str, str]:
-    """Read ``--column signal=component.variable``; ``how`` tells in an error how to write it."""
+    """Read ``--column signal=component.variable``; ``how`` tells in an error how to write it.
+
+    Raises `InputError` for a signal that is not ``known``, since nothing would look at its column.
+    """
+    option, _, example = how.partition(" ")
     found = {}
     for text in columns:
         signal, sign, column = (part.strip() for part in text.partition("="))
         if not sign or not signal or not column:
-            option, _, example = how.partition(" ")
             raise InputError(f"{option} {text}: write {example}")
+        if signal not in known:
+            raise InputError(f"{option} {text}: there is no '{signal}'; accepted are {', '.join(known)}")
         found[signal] = column
     return found
+
+
+def measured(columns: Sequence[str]) -> dict[str, str]:
+    """Read ``--measured-column quantity=name``."""
+    how = "--measured-column quantity=name, such as --measured-column torque=M"
+    return aliases(columns, ("time", *SIGNALS), how)
 
 
 def pictures(folder: Path, prefix: str, files: Sequence[Path]) -> list[Path]:

@@ -7,9 +7,9 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from cosim.cli._choices import aliases, choices, pictures, table
+from cosim.cli._choices import aliases, choices, measured, pictures, table
 from cosim.cli._screen import Screen, warned
-from cosim.comparison import Comparison, Options, compare, draw
+from cosim.comparison import SIGNALS, Comparison, Options, compare, draw
 from cosim.errors import InputError
 from cosim.measurement import read
 
@@ -36,8 +36,11 @@ def compare_files(
 
     Raises `InputError` for options and files that cannot be used.
     """
-    options, names = choices(Options, settings), aliases(columns)
-    measured_names = aliases(measured_columns, "--measured-column quantity=name, such as --measured-column torque=M")
+    options, names = (
+        choices(Options, settings),
+        aliases(columns, [signal for signal, _, _ in SIGNALS.values()] + ["phi_crank"]),
+    )
+    measured_names = measured(measured_columns)
     bounds = [_limit(text) for text in limits]
     folder = out if out is not None else result if result.is_dir() else result.parent
     found: list[Comparison] = []

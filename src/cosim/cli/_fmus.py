@@ -18,7 +18,7 @@ def info(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Show what an FMU is and which inputs, outputs and parameters it has."""
+    """Show what an FMU is: interfaces, variables, capabilities."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         from cosim.cli._info import show
@@ -34,14 +34,17 @@ def check(
         bool, typer.Option("--run/--no-run", help="Also run the FMU's binary, in a process of its own.")
     ] = True,
     timeout: Annotated[
-        float, typer.Option(metavar="SECONDS", min=0.1, help="How long each rule that runs the FMU may take.")
-    ] = 30.0,
+        str, typer.Option(metavar="TIME", help="How long each rule that runs the FMU may take.")
+    ] = "30 s",
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Judge an FMU: archive, schema, semantics, binaries, and how it runs; exit with 2 if it has errors."""
+    """Judge an FMU: archive, schema, semantics, binaries, runs. Exits with 2 if it has errors."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
+        from cosim.cli._times import time_of
+
+        longest = time_of("--timeout", timeout)
         from cosim.cli._check import check_fmu
 
-        raise typer.Exit(check_fmu(fmu, screen, strict=strict, run=run, timeout=timeout))
+        raise typer.Exit(check_fmu(fmu, screen, strict=strict, run=run, timeout=longest))

@@ -60,7 +60,7 @@ _NUMBERS = {
 def show(name: str, screen: Screen) -> None:
     """Print an FMU's description; ``name`` is a path ending in .fmu or the name of a built-in one."""
     path = Path(name)
-    if path.suffix.lower() != ".fmu":
+    if path.suffix.lower() != ".fmu" and not path.is_file():
         with screen.working(f"getting {name} ready"):
             path = locate(name)
     elif not path.is_file():

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cosim.cli._times import time_of
 from cosim.errors import InputError
 
 if TYPE_CHECKING:
@@ -32,7 +33,9 @@ def isolation(isolate: str, call_timeout: str, memory_limit: str | None) -> Isol
     choices: dict[str, Isolate] = {"auto": "auto", "always": "always", "never": "never"}
     if isolate not in choices:
         raise InputError(f"--isolate {isolate}: accepted are {', '.join(choices)}")
-    return Isolation(choices[isolate], _time(call_timeout), None if memory_limit is None else _size(memory_limit))
+    return Isolation(
+        choices[isolate], time_of("--call-timeout", call_timeout), None if memory_limit is None else _size(memory_limit)
+    )
 
 
 def prepare(files: Sequence[Path], chosen: Isolation, settings: Sequence[str] = ()) -> None:
@@ -49,20 +52,6 @@ def _mention_fmus(files: Sequence[Path], settings: Sequence[str]) -> bool:
         with suppress(OSError):  # is reported when it is read
             texts.append(file.read_bytes())
     return any(map(_FOREIGN.search, texts))
-
-
-def _time(text: str) -> float:
-    from cosim.units import compatible, convert, parse, quantity
-
-    second = parse("s")
-    try:
-        number, unit = quantity(text)
-        fits = compatible(unit, second) and number > 0.0
-    except InputError:
-        fits = False
-    if not fits:
-        raise InputError(f"--call-timeout {text}: write a time above 0, such as '60 s' or '5 min'")
-    return convert(number, unit, second)
 
 
 def _size(text: str) -> float:

@@ -32,7 +32,7 @@ def show_command(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Show what measurements hold, where the motion begins by each method, and what was wrong with the files."""
+    """Show what measurements hold, and what was mended. Also where the motion begins by each method."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         _show(files, out, measured_columns or [], screen)
@@ -51,7 +51,7 @@ def synthesize_command(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Write eight workbooks in the supplier's layout, computed with known parameters and marked as synthetic."""
+    """Write eight synthetic workbooks in the supplier's layout. They are computed with known parameters, and marked."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         from cosim.cli._builtin import locate
@@ -67,10 +67,10 @@ def synthesize_command(
 
 
 def _show(files: Sequence[Path], out: Path | None, columns: Sequence[str], screen: Screen) -> None:
-    from cosim.cli._choices import aliases, pictures, table
+    from cosim.cli._choices import measured, pictures, table
     from cosim.measurement import Inspection, draw_smoothing, inspect
 
-    names = aliases(columns, "--measured-column quantity=name, such as --measured-column torque=M")
+    names = measured(columns)
     found: list[Inspection] = []
     for path in files:
         with warned(screen):

@@ -114,7 +114,7 @@ def linearize(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Linearize a Modelica model: A, B, C, D at an operating point, poles, and a Bode picture."""
+    """Linearize a Modelica model: A, B, C, D, poles, Bode picture."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         from cosim.cli._linearize import linearize_model

@@ -38,7 +38,7 @@ def thesis(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Simulate what the source shows, and draw its figures and table 4.1."""
+    """Simulate what the source shows; draw figures and table 4.1."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         from cosim.cli._thesis import reproduce_thesis
@@ -84,7 +84,7 @@ def compare(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Lay measured torque over a simulated one: figures of the difference, a tube with a verdict, pictures."""
+    """Compare a result with measurements: figures, tube, pictures."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         from cosim.cli._compare import compare_files
@@ -154,7 +154,10 @@ def calibrate(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Fit parameters of the built-in plant with the linkage to measured current and, if there is one, torque."""
+    """Fit parameters of the linkage's plant to measurements.
+
+    These are the motor current and, if there is one, the torque; cosim run --params takes what is found.
+    """
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         from cosim.cli._calibrate import Request, calibrate_files
@@ -198,7 +201,7 @@ def score(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Score results by the criteria of the thesis: predicted parks and turning points; or measure their vibration."""
+    """Score results by the thesis's criteria, or their vibration. The criteria: predicted parks and turning points."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         if vibration or against is not None:

@@ -55,7 +55,7 @@ def run(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Simulate scenarios one after another; write results.csv, results.parquet, summary.json and plots."""
+    """Simulate scenarios one after another. Writes results.csv, results.parquet, summary.json and plots."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         from cosim.cli._isolation import isolation, prepare
@@ -83,7 +83,7 @@ def export_ssp(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Write a scenario's system with its FMUs and parameters as an SSP, and X_ssp.csv, a scenario that runs it."""
+    """Write a scenario's system as an SSP. With FMUs, parameters, and X_ssp.csv, a scenario that runs it."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         from cosim.cli._export_ssp import export_ssp as write_ssp
@@ -110,7 +110,7 @@ def disturbance(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Write a scenario in which the load is braked and accelerated by turns, in pulses that a seed varies."""
+    """Write a scenario with pulses of torque on the load. They brake and accelerate by turns; a seed varies them."""
     screen = Screen(quiet=quiet, as_json=as_json)
     with reporting(screen):
         from cosim.cli._disturbance import write_disturbance

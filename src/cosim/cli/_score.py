@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from cosim.assessment import Counts, Rules, Score, score, trace
+from cosim.assessment import LOOKED_AT, Counts, Rules, Score, score, trace
 from cosim.cli._choices import aliases, choices, table
 from cosim.cli._screen import Screen
 from cosim.errors import InputError
@@ -14,7 +14,7 @@ from cosim.errors import InputError
 def score_results(results: Sequence[Path], settings: Sequence[str], columns: Sequence[str], screen: Screen) -> int:
     """Score results and print the verdicts; return 0, or 2 if one of the results cannot be scored."""
     rules = choices(Rules, settings)
-    names = aliases(columns)
+    names = aliases(columns, LOOKED_AT)
     documents: list[dict[str, object]] = []
     exit_code = 0
     for place in results:

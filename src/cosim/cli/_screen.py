@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
-from cosim.errors import CosimError, FmuWarning, MeasurementWarning, ModelWarning
+from cosim.errors import CosimError, FmuWarning, InputError, MeasurementWarning, ModelWarning
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
@@ -142,10 +142,17 @@ def warned(screen: Screen) -> Iterator[list[str]]:
 
 @contextmanager
 def reporting(screen: Screen) -> Iterator[None]:
-    """Turn the errors a user can meet, and Ctrl-C, into a message and an exit code."""
+    """Turn the errors a user can meet, files that cannot be used, and Ctrl-C into a message and an exit code."""
     try:
         yield
     except CosimError as error:
         screen.fail(str(error), error.exit_code)
+    except BrokenPipeError:  # who reads the output, such as head, has had enough; click ends the command
+        raise
+    except OSError as error:
+        if error.filename is None:
+            raise
+        reason = error.strerror or str(error)
+        screen.fail(f"{error.filename}: cannot be read or written: {reason}; give another path", InputError.exit_code)
     except KeyboardInterrupt:
         screen.fail("interrupted", INTERRUPTED)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from cosim.assessment import Comparison, Method, Vibration, compare, trace, vibration
+from cosim.assessment import MEASURED, Comparison, Method, Vibration, compare, trace, vibration
 from cosim.cli._choices import aliases, choices, table
 from cosim.cli._screen import Screen
 from cosim.errors import InputError
@@ -18,7 +18,7 @@ def measure_results(
 
     Raises `InputError` if the baseline cannot be.
     """
-    method, names = choices(Method, settings), aliases(columns)
+    method, names = choices(Method, settings), aliases(columns, MEASURED)
     reference = None if baseline is None else vibration(trace(baseline, aliases=names), method)
     documents: list[dict[str, object]] = []
     found: list[Vibration] = []
@@ -46,7 +46,8 @@ def describe(found: Sequence[Vibration], baseline: Vibration | None = None) -> s
     shown = [*found, *([baseline] if baseline is not None else [])]
     ratios = [] if baseline is None else [compare(run, baseline) for run in found]
     labels = {key: f"{measure.label} [{measure.unit}]" for run in shown for key, measure in run.measures.items()}
-    head = ["", *(run.name for run in shown), *(f"{ratio.name} : {ratio.baseline}" for ratio in ratios)]
+    ratio_heads = ["ratio"] if len(ratios) == 1 else [f"{ratio.name} : baseline" for ratio in ratios]
+    head = ["", *(run.name for run in shown), *ratio_heads]
     rows = [
         [
             label,

@@ -68,7 +68,7 @@ class Log:
 
     def __str__(self) -> str:
         """Return what the FMU said, as part of a sentence."""
-        return f"the FMU says: {' | '.join(self._messages)}" if self._messages else SILENCE
+        return f"the FMU says: {' | '.join(self._messages).removesuffix('.')}" if self._messages else SILENCE
 
 
 _keys = itertools.count(1)

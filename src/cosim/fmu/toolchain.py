@@ -89,7 +89,10 @@ def chosen(names: str, fmi: FmiVersion = "3.0") -> tuple[Platform, ...]:
     wanted = [p for p in PLATFORMS if fmi == "3.0" or p.startswith("x86_64")] if names == "all" else names.split(",")
     unknown = [name for name in wanted if name.strip() not in PLATFORMS]
     if unknown:
-        raise BuildError(f"no platform '{unknown[0].strip()}'; there are host, all, {', '.join(PLATFORMS)}")
+        name = unknown[0].strip()
+        if name in ("host", "all"):
+            raise BuildError(f"'{name}' stands alone; give it without others, or a list of {', '.join(PLATFORMS)}")
+        raise BuildError(f"no platform '{name}'; there are host, all, {', '.join(PLATFORMS)}")
     platforms = [PLATFORMS[name] for name in dict.fromkeys(name.strip() for name in wanted)]
     by_folder: dict[str, list[str]] = {}
     for target in platforms:

@@ -102,7 +102,7 @@ def synthesize(
         InputError: ``rows`` is out of range, or a file cannot be written.
     """
     if not 1000 <= rows <= LAST_ROW - 1:
-        raise InputError(f"{rows} rows; from 1000 to {LAST_ROW - 1} are possible")
+        raise InputError(f"{rows} rows; a workbook can have from 1000 to {LAST_ROW - 1}")
     errors = errors or Errors()
     paths = []
     for number, conditions in enumerate(CONDITIONS):

@@ -49,8 +49,11 @@ def flatten(source: Source, model: str) -> FlatModel:
     except ImportError:
         raise BuildError("compiling Modelica needs rumoca; install it with: pip install 'wiper-cosim[build]'") from None
     if source.find_class(model) is None:
-        raise ModelError(f"there is no class {model!r} in this text; give its full name, package and all",
-                         file=source.files[0])  # fmt: skip
+        near = source.near_class(model)
+        hint = f", did you mean '{near}'?" if near else ""
+        raise ModelError(
+            f"there is no class {model!r} in this text{hint}; give its full name, package and all", file=source.files[0]
+        )
     _check_syntax(source, rumoca)
     try:
         tree = _tree(rumoca, source, source.text, model)

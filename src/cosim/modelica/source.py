@@ -5,12 +5,15 @@ from __future__ import annotations
 import bisect
 import re
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 
 from cosim.errors import ModelError
 
 _STRING = r'"(?:\\.|[^"\\])*"'
 _WITHIN = re.compile(r"^\s*(?:(?://[^\n]*\n|/\*.*?\*/)\s*)*within\b[^;]*;", re.DOTALL)
+
+_CLASS = r"(?:model|block|class|package|record|connector|function|type)"
 
 
 @dataclass(frozen=True)
@@ -105,12 +108,24 @@ class Source:
         """Byte offset of the declaration of a class, given its full name."""
         offset = 0
         for part in qualified.split("."):
-            kinds = r"(?:model|block|class|package|record|connector|function|type)"
-            match = re.compile(rf"\b{kinds}\s+({re.escape(part)})\b").search(self.text, offset)
+            match = re.compile(rf"\b{_CLASS}\s+({re.escape(part)})\b").search(self.text, offset)
             if match is None:
                 return None
             offset = match.start(1)
         return len(self.text[:offset].encode())
+
+    def near_class(self, qualified: str) -> str | None:
+        """Full name of a class that is called much like one that is not there, if only one part of it is misspelt."""
+        parts = qualified.split(".")
+        wrong = next((k for k in range(len(parts)) if self.find_class(".".join(parts[: k + 1])) is None), None)
+        if wrong is None:
+            return None
+        declared = set(re.findall(rf"\b{_CLASS}\s+([A-Za-z_]\w*)", self.text))
+        for near in get_close_matches(parts[wrong], declared):
+            name = ".".join([*parts[:wrong], near, *parts[wrong + 1 :]])
+            if self.find_class(name) is not None:
+                return name
+        return None
 
 
 class _Builder:
