@@ -19,6 +19,8 @@ from cosim.errors import InputError
 Array = NDArray[np.float64]
 _HUBER = 3.0
 """Residuals beyond this many standard deviations count linearly if the loss is robust."""
+_REST = 0.05
+"""Speed [rad/s] that a crank may have reached between the instant of switching on and the first sample after it."""
 _LOOSE = 0.3
 _WIDE = 10.0
 """Without bounds, a parameter may become this many times larger or smaller."""
@@ -155,7 +157,7 @@ class Problem:
         """Return how a measurement's residuals change with its initial state and with theta."""
         q = ca.MX.sym("q", len(motion.x0) + len(part.entries))
         w = ca.MX.sym("w", len(motion.w))
-        residuals = ca.Function("r", [q, w], [self._residuals(part, part.collocation.outputs(q, w))])
+        residuals = ca.Function("r", [q, w], [self._residuals(part, q, w)])
         at = np.concatenate((motion.x0, theta[part.entries]))
         return sensitivity(
             part.collocation.residuals, residuals, at, motion.w, len(motion.x0), part.entries, len(theta)
@@ -199,15 +201,19 @@ class Problem:
         x0 = ca.MX.sym("x0", self.model.sizes[0])
         w = ca.MX.sym("w", len(part.collocation.guess_w))
         q = ca.vertcat(x0, own_theta)
-        return [x0, w], q, w, self._residuals(part, part.collocation.outputs(q, w))
+        return [x0, w], q, w, self._residuals(part, q, w)
 
-    def _residuals(self, part: Part, outputs: ca.MX) -> ca.MX:
-        """Return the residuals of a measurement over their noise, for the outputs at its collocation points."""
+    def _residuals(self, part: Part, q: ca.MX, w: ca.MX) -> ca.MX:
+        """Return the residuals of a measurement over their noise, and its speed at the start if that is from rest."""
         data = part.data
+        outputs = part.collocation.outputs(q, w)
         current, torque = (ca.mtimes(part.collocation.sampling, outputs[row, :].T) for row in range(len(OUTPUTS)))
         found = [(current - data.current) / data.noise[0]]
         if data.torque is not None:
             found.append((torque - data.torque) / data.noise[1])
+        if data.from_rest:
+            speed = self.model.state("w_crank")
+            found.append(q[speed] * self.model.scales[0][speed] / _REST)
         return ca.vertcat(*found)
 
     def _priors(self, theta: ca.MX) -> list[ca.MX]:
