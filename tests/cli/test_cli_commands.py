@@ -168,18 +168,23 @@ def test_a_run_leaves_the_compiler_alone(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
 
 
-def test_a_path_that_cannot_be_used_is_a_message(cosim: Cosim, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("folder", "reason"), [("taken", "there is a file of this name already"), ("taken/fmus", "Not a directory")]
+)
+def test_a_path_that_cannot_be_used_is_a_message(
+    cosim: Cosim, monkeypatch: pytest.MonkeyPatch, folder: str, reason: str
+) -> None:
     """Whatever a command does with it: here the folder to build into is a file."""
 
     def build(*_: object, **__: object) -> list[Path]:
-        (Path("taken") / "fmus").mkdir(parents=True)
+        Path(folder).mkdir(parents=True)
         return []
 
     Path("taken").touch()
     monkeypatch.setattr("cosim.cli._builtin.build_all", build)
     done = cosim("build", "--out", "taken", "--json")
     assert done.exit_code == 2
-    message = f"{Path('taken/fmus')}: cannot be read or written: Not a directory; give another path"
+    message = f"{Path(folder)}: cannot be read or written: {reason}; give another path"
     assert done.stderr == f"error: {message}\n"
     assert json.loads(done.stdout) == {"error": message, "exit_code": 2}
 

@@ -152,7 +152,8 @@ def reporting(screen: Screen) -> Iterator[None]:
     except OSError as error:
         if error.filename is None:
             raise
-        reason = error.strerror or str(error)
+        taken = isinstance(error, FileExistsError)
+        reason = "there is a file of this name already" if taken else error.strerror or str(error)
         screen.fail(f"{error.filename}: cannot be read or written: {reason}; give another path", InputError.exit_code)
     except KeyboardInterrupt:
         screen.fail("interrupted", INTERRUPTED)
