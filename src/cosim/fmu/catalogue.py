@@ -10,6 +10,7 @@ import json
 import os
 import tomllib
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -103,7 +104,11 @@ def build(
         ModelError, BuildError: one cannot be built.
     """
     entries = [entry_of(name) for name in (wanted or names())]
-    return [path for entry in entries for path in _build(entry, out or build_folder(), fmi, platforms, with_sources)]
+    folder = out or build_folder()
+    # one more thread than processors, for the one that has a model's equations in hand while others compile C
+    with ThreadPoolExecutor((os.cpu_count() or 1) + 1) as threads:
+        built = threads.map(lambda entry: _build(entry, folder, fmi, platforms, with_sources), entries)
+        return [path for paths in built for path in paths]
 
 
 def entry_of(name: str) -> CatalogueEntry:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import json
 import os
@@ -9,13 +10,17 @@ import re
 import tempfile
 import warnings
 import zipfile
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from threading import Lock
 
 from cosim import __version__
 from cosim.dae import Dae, compile_dae
 from cosim.errors import ModelWarning
+from cosim.fmu.binaries import build_binaries
 from cosim.fmu.codegen import generate
 from cosim.fmu.description import describe
 from cosim.fmu.description2 import describe2
@@ -24,7 +29,7 @@ from cosim.fmu.layout import lay_out
 from cosim.fmu.provenance import remember
 from cosim.fmu.sources import build_description, compiled, source_files
 from cosim.fmu.terminals import icon, terminals_and_icons
-from cosim.fmu.toolchain import RUNTIME, Platform, chosen, compile_library, fmi_headers, runtime_sources
+from cosim.fmu.toolchain import RUNTIME, Platform, chosen
 from cosim.fmu.versions import FmiChoice, FmiVersion, file_name, versions_of
 from cosim.modelica import Source, check_units, flatten, refuse_mismatches
 
@@ -32,6 +37,7 @@ BUILD_RECORD = "extra/io.github.wiper-cosim/build.json"
 _TOKEN = "{token}"
 """Stands for the instantiation token until the content it is made from is known."""
 _EPOCH = (1980, 1, 1, 0, 0, 0)
+_EXPRESSIONS = Lock()
 
 
 def compile_model(file: Path, model: str, *, strict_units: bool = False) -> Dae:
@@ -97,9 +103,16 @@ def export_all(
     platforms: str = "host",
     with_sources: bool | None = None,
 ) -> list[Path]:
-    """Compile one class once and write it as an FMU of each chosen FMI version; see :func:`export`."""
-    dae = compile_model(file, model, strict_units=strict_units)
-    return pack_all(dae, out, fmi=fmi, build_hash=build_hash, platforms=platforms, with_sources=with_sources)
+    """Compile one class once and write it as an FMU of each chosen FMI version; see :func:`export`.
+
+    Several threads may do this at a time.
+    """
+    with _alone():
+        # the model's expressions go before others begin
+        prepared = _prepare(
+            compile_model(file, model, strict_units=strict_units), fmi, build_hash, platforms, with_sources
+        )
+    return _write(prepared, out)
 
 
 def pack_all(
@@ -113,18 +126,7 @@ def pack_all(
     fixed_step: float | None = None,
 ) -> list[Path]:
     """Write a compiled model as an FMU of each chosen FMI version; see :func:`export`."""
-    return [
-        pack(
-            dae,
-            out,
-            fmi=version,
-            build_hash=build_hash,
-            platforms=platforms,
-            with_sources=with_sources,
-            fixed_step=fixed_step,
-        )
-        for version in versions_of(fmi)
-    ]
+    return _write(_prepare(dae, fmi, build_hash, platforms, with_sources, fixed_step), out)
 
 
 def pack(
@@ -138,55 +140,96 @@ def pack(
     fixed_step: float | None = None,
 ) -> Path:
     """Write a compiled model as an FMU for the platforms that :func:`toolchain.chosen` takes; see :func:`export`."""
-    targets = chosen(platforms, fmi)
-    with_sources = len(targets) == 1 if with_sources is None else with_sources
+    return _write(_prepare(dae, fmi, build_hash, platforms, with_sources, fixed_step), out)[0]
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """One thread at a time works with expressions, and what is left of them is collected before the next one does.
+
+    CasADi lets other threads run meanwhile, but counts the users of its expressions without locks.
+    """
+    with _EXPRESSIONS:
+        collecting = gc.isenabled()
+        gc.disable()
+        try:
+            yield
+            gc.collect()
+        finally:
+            if collecting:
+                gc.enable()
+
+
+@dataclass(frozen=True)
+class _Prepared:
+    """All of a model's FMUs but their binaries."""
+
+    identifier: str
+    generated: dict[str, str]
+    """The generated C, with a placeholder for the token."""
+    tokens: dict[FmiVersion, str]
+    targets: dict[FmiVersion, tuple[Platform, ...]]
+    files: dict[FmiVersion, dict[str, bytes]]
+
+
+def _prepare(
+    dae: Dae,
+    choice: FmiChoice,
+    build_hash: str | None,
+    platforms: str,
+    with_sources: bool | None,
+    fixed_step: float | None = None,
+) -> _Prepared:
+    """Generate and describe; expressions are needed for this alone."""
     identifier = re.sub(r"\W", "_", dae.name.rpartition(".")[2])
+    targets = {fmi: chosen(platforms, fmi) for fmi in versions_of(choice)}
     layout = lay_out(dae)
-    generated = generate(dae, layout, _TOKEN, fixed_step)
-    listed = compiled(source_files(generated, fmi)) if with_sources else []
-    if fmi == "3.0":
-        description = describe(dae, layout, identifier, _TOKEN, fixed_step)
-    else:
-        description = describe2(dae, layout, identifier, _TOKEN, listed, fixed_step)
-    token = _token(generated, description)
-    generated = {name: text.replace(_TOKEN, token) for name, text in generated.items()}
-    description = description.replace(_TOKEN.encode(), token.encode())
-    with tempfile.TemporaryDirectory(prefix="cosim-build-") as temporary:
-        folder = Path(temporary)
-        for name, text in generated.items():
-            (folder / name).write_text(text, encoding="utf-8")
-        inputs = [folder / "model.c", *runtime_sources(fmi)], [folder, RUNTIME, fmi_headers()]
-
-        def library(target: Platform) -> bytes:
-            # a folder each, since the compiler puts other files beside a library for Windows
-            path = folder / target.fmi3 / f"{identifier}{target.suffix}"
-            path.parent.mkdir()
-            compile_library(*inputs, path, fmi, target)
-            return path.read_bytes()
-
-        with ThreadPoolExecutor(os.cpu_count()) as threads:
-            libraries = list(threads.map(library, targets))
-        files = {
-            "modelDescription.xml": description,
-            **{
-                f"binaries/{target.folder(fmi)}/{identifier}{target.suffix}": content
-                for target, content in zip(targets, libraries, strict=True)
-            },
-            BUILD_RECORD: _record(dae, build_hash),
-            "documentation/licenses/LICENSE.txt": (RUNTIME / "LICENSE").read_bytes(),
-            "documentation/index.html": document_model(dae, layout, tool_versions(), fixed_step),
-        }
-    if fmi == "3.0":
-        files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_and_icons(layout)
-        files["terminalsAndIcons/icon.png"] = icon(layout)
-    else:
-        files["model.png"] = icon(layout)
-    if with_sources:
-        sources = source_files(generated, fmi)
+    prepared = _Prepared(identifier, generate(dae, layout, _TOKEN, fixed_step), {}, targets, {})
+    shared = {
+        BUILD_RECORD: _record(dae, build_hash),
+        "documentation/licenses/LICENSE.txt": (RUNTIME / "LICENSE").read_bytes(),
+        "documentation/index.html": document_model(dae, layout, tool_versions(), fixed_step),
+    }
+    for fmi, platforms_of in targets.items():
+        sourced = len(platforms_of) == 1 if with_sources is None else with_sources
+        listed = compiled(source_files(prepared.generated, fmi)) if sourced else []
         if fmi == "3.0":
-            sources["buildDescription.xml"] = build_description(sources, identifier)
-        files |= {f"sources/{name}": content for name, content in sources.items()}
-    return write_archive(out, file_name(identifier, fmi), files)
+            description = describe(dae, layout, identifier, _TOKEN, fixed_step)
+        else:
+            description = describe2(dae, layout, identifier, _TOKEN, listed, fixed_step)
+        token = prepared.tokens[fmi] = _token(prepared.generated, description)
+        files = shared | {"modelDescription.xml": description.replace(_TOKEN.encode(), token.encode())}
+        if fmi == "3.0":
+            files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_and_icons(layout)
+            files["terminalsAndIcons/icon.png"] = icon(layout)
+        else:
+            files["model.png"] = icon(layout)
+        if sourced:
+            sources = source_files(_with_token(prepared.generated, token), fmi)
+            if fmi == "3.0":
+                sources["buildDescription.xml"] = build_description(sources, identifier)
+            files |= {f"sources/{name}": content for name, content in sources.items()}
+        prepared.files[fmi] = files
+    return prepared
+
+
+def _write(prepared: _Prepared, out: Path) -> list[Path]:
+    """Compile, link and pack."""
+    identifier = prepared.identifier
+    shells = {fmi: _with_token(prepared.generated, token) for fmi, token in prepared.tokens.items()}
+    libraries = build_binaries(identifier, prepared.generated, shells, prepared.targets)
+    paths = []
+    for fmi, files in prepared.files.items():
+        binaries = {
+            f"binaries/{target.folder(fmi)}/{identifier}{target.suffix}": content
+            for target, content in libraries[fmi].items()
+        }
+        paths.append(write_archive(out, file_name(identifier, fmi), files | binaries))
+    return paths
+
+
+def _with_token(generated: dict[str, str], token: str) -> dict[str, str]:
+    return {name: text.replace(_TOKEN, token) for name, text in generated.items()}
 
 
 def write_archive(out: Path, name: str, files: dict[str, bytes]) -> Path:

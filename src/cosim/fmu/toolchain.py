@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import platform
 import re
 import shutil
@@ -10,7 +11,9 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from threading import BoundedSemaphore
 
 from cosim.errors import BuildError
 from cosim.fmu.versions import FmiVersion
@@ -18,9 +21,14 @@ from cosim.fmu.versions import FmiVersion
 RUNTIME = Path(__file__).parent / "runtime"
 
 # no debug information: it holds the temporary folder's name, so that no two builds would be the same
-_FLAGS = ("-std=c11", "-g0", "-s", "-shared")
+_COMPILING = ("-std=c11", "-g0")
+_LINKING = ("-g0", "-s", "-shared")
 PORTABLE_FLAGS = ("-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
 """What other compilers are told as well, that build an FMU from its sources: they are to give the same numbers."""
+
+
+_AT_WORK = BoundedSemaphore(os.cpu_count() or 1)
+"""As many compilers at a time as there are processors, however many threads want one."""
 
 
 @dataclass(frozen=True)
@@ -125,10 +133,18 @@ def compiler(target: Platform | None = None) -> list[str]:
     )
 
 
-def runtime_sources(fmi: FmiVersion) -> list[Path]:
-    """The C files of the runtime with the shell of one FMI version; two shells do not fit into one library."""
-    shell = f"fmi{fmi[0]}"
-    return [file for file in sorted(RUNTIME.glob("*.c")) if file.name.startswith(shell) or file.name[:3] != "fmi"]
+def runtime_sources(fmi: FmiVersion | None) -> list[Path]:
+    """The C files of the runtime with the shell of one FMI version, or with none.
+
+    Two shells do not fit into one library.
+    """
+    common = [file for file in RUNTIME.glob("*.c") if file.name[:3] != "fmi"]
+    return sorted([*common, *(shell_sources(fmi) if fmi else [])])
+
+
+def shell_sources(fmi: FmiVersion) -> list[Path]:
+    """The C files of the shell of one FMI version."""
+    return sorted(RUNTIME.glob(f"fmi{fmi[0]}*.c"))
 
 
 def compile_library(
@@ -144,19 +160,33 @@ def compile_library(
         BuildError: the compiler is missing or reports an error, or the library does not export the FMI functions.
     """
     target = target or host()
-    # in the folder of the output, since a library for macOS holds its own name as it was given
-    command = [
-        *compiler(target),
-        *_FLAGS,
-        *PORTABLE_FLAGS,
-        *(f"-I{folder.resolve()}" for folder in includes),
-        "-o",
-        output.name,
-    ]
-    command += [str(source.resolve()) for source in sources] + ([] if target.suffix == ".dll" else ["-lm"])
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=output.parent)
-    if done.returncode != 0:
-        raise BuildError(f"the C compiler failed ({command[0]}):\n{done.stderr.strip()[-3000:]}")
+    arguments = [*_COMPILING, *PORTABLE_FLAGS, *(f"-I{folder.resolve()}" for folder in includes)]
+    _link([*arguments, *(str(source.resolve()) for source in sources)], output, fmi, target)
+
+
+def compile_object(source: Path, includes: Sequence[Path], output: Path, target: Platform) -> None:
+    """Compile one translation unit for a platform.
+
+    Raises:
+        BuildError: the compiler is missing or reports an error.
+    """
+    folders = [f"-I{folder.resolve()}" for folder in includes]
+    _run([*compiler(target), *_COMPILING, *PORTABLE_FLAGS, *folders, "-c", "-o", output.name, str(source)], output)
+
+
+def link_library(objects: Sequence[Path], output: Path, fmi: FmiVersion, target: Platform) -> None:
+    """Link what :func:`compile_object` made to a shared library.
+
+    Raises:
+        BuildError: the compiler is missing or reports an error, or the library does not export the FMI functions.
+    """
+    # by relative paths: libraries for macOS keep a trace of what these are called
+    _link([os.path.relpath(path, output.parent) for path in objects], output, fmi, target)
+
+
+def _link(arguments: Sequence[str], output: Path, fmi: FmiVersion, target: Platform) -> None:
+    libraries = [] if target.suffix == ".dll" else ["-lm"]
+    _run([*compiler(target), *_LINKING, "-o", output.name, *arguments, *libraries], output)
     found = _exported(output, target)
     missing = [name for name in fmi_functions(fmi) if name not in found]
     if missing:
@@ -165,14 +195,25 @@ def compile_library(
         )
 
 
-def fmi_functions(fmi: FmiVersion) -> list[str]:
+def _run(command: Sequence[str], output: Path) -> None:
+    """Run the compiler in the folder of its output, since a library for macOS holds its own name as it was given."""
+    # libraries for Windows say when they were linked: at the beginning of 1980, as everything else in the FMU
+    environment = os.environ | {"SOURCE_DATE_EPOCH": "315532800"}
+    with _AT_WORK:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=output.parent, env=environment)
+    if done.returncode != 0:
+        raise BuildError(f"the C compiler failed ({command[0]}):\n{done.stderr.strip()[-3000:]}")
+
+
+@cache
+def fmi_functions(fmi: FmiVersion) -> tuple[str, ...]:
     """Names of all functions of the API of an FMI version."""
     major = fmi[0]
     text = (fmi_headers() / f"fmi{major}Functions.h").read_text(encoding="utf-8")
-    return re.findall(rf"^\s*FMI{major}_Export\s+\w+\s+(fmi{major}\w+);", text, re.MULTILINE)
+    return tuple(re.findall(rf"^\s*FMI{major}_Export\s+\w+\s+(fmi{major}\w+);", text, re.MULTILINE))
 
 
-def fmi3_functions() -> list[str]:
+def fmi3_functions() -> tuple[str, ...]:
     """Names of all functions of the FMI 3.0 API."""
     return fmi_functions("3.0")
 

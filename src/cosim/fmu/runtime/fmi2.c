@@ -21,6 +21,8 @@ typedef struct {
     char *name;
 } Instance;
 
+const char shell_token[] = MODEL_TOKEN;
+
 /* The text is a printf format for the importer: one without conversions, so that nothing is lost on those who print it
  * as it stands. */
 static void say(void *context, LogKind kind, const char *text)

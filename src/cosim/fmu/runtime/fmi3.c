@@ -16,6 +16,8 @@ typedef struct {
     bool event_mode_used, early_return_allowed;
 } Instance;
 
+const char shell_token[] = MODEL_TOKEN;
+
 static void say(void *context, LogKind kind, const char *text)
 {
     const Instance *i = context;

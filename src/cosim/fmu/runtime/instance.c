@@ -64,9 +64,9 @@ bool instance_may_begin(Simulation *m, const char *name, const char *token, cons
 {
     if (!name || name[0] == '\0')
         instance_error(m, "%s: the instance needs a name.", function);
-    else if (!token || strcmp(token, MODEL_TOKEN) != 0)
+    else if (!token || strcmp(token, shell_token) != 0)
         instance_error(m, "%s: the instantiation token is not that of this FMU (%s); the modelDescription.xml "
-                       "belongs to another build.", name, MODEL_TOKEN);
+                       "belongs to another build.", name, shell_token);
     else
         return true;
     return false;

@@ -17,6 +17,9 @@ enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR };
 /* The state of the instance as the end of a sentence that refuses a call; defined by the shell. */
 const char *instance_mode_name(int mode);
 
+/* The instantiation token; defined by the shell, the only part of an FMU's binary that differs with the FMI version. */
+extern const char shell_token[];
+
 /* FMI's category and status for a message. */
 const char *log_category(LogKind kind);
 int log_status(LogKind kind);

@@ -80,7 +80,7 @@ static void swap(Matrix *x, int *order, int i, int j)
 }
 
 /* Gaussian elimination, with pivots among the columns of what is not a state: the smallest comes last. */
-static void eliminate(Matrix *x)
+static void triangularise(Matrix *x)
 {
     for (int k = 0; k < x->rows; k++) {
         int row = k, column = k;
@@ -144,7 +144,7 @@ int simulation_blame_selection(Simulation *m, const double *v)
         Matrix x;
         load(&x, k, entries);
         scale_rows(&x);
-        eliminate(&x);
+        triangularise(&x);
         judge(m, &x, 0);
     }
     return 0;
@@ -160,11 +160,11 @@ int simulation_check_selection(Simulation *m)
     for (int k = 0; k < MODEL_NCONSTRAINTS; k++) {
         Matrix x;
         load(&x, k, entries);
-        eliminate(&x);
+        triangularise(&x);
         if (x.sign * s->selection_sign[k] < 0) {
             load(&x, k, entries);
             scale_rows(&x);
-            eliminate(&x);
+            triangularise(&x);
             judge(m, &x, 1);
             return 0;
         }

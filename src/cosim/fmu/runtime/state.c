@@ -75,7 +75,7 @@ int instance_serialize(void *instance, const char *function, const void *state, 
     if (size < sizeof(Header) + sizeof(State))
         return instance_error(m, "%s: %zu bytes are too few, %zu are needed.", function, size,
                               sizeof(Header) + sizeof(State));
-    Header header = {.size = sizeof(State), .token = hash(MODEL_TOKEN, strlen(MODEL_TOKEN))};
+    Header header = {.size = sizeof(State), .token = hash(shell_token, strlen(shell_token))};
     memcpy(header.magic, MAGIC, sizeof header.magic);
     header.checksum = hash(state, sizeof(State));
     memcpy(bytes, &header, sizeof header);
@@ -91,7 +91,7 @@ int instance_deserialize(void *instance, const char *function, const void *bytes
     Header header;
     if (size >= sizeof header) memcpy(&header, bytes, sizeof header);
     if (size < sizeof header + sizeof(State) || memcmp(header.magic, MAGIC, sizeof header.magic) != 0 ||
-        header.size != sizeof(State) || header.token != hash(MODEL_TOKEN, strlen(MODEL_TOKEN)))
+        header.size != sizeof(State) || header.token != hash(shell_token, strlen(shell_token)))
         return instance_error(m, "%s: this is not a state of this build of %s.", function, MODEL_NAME);
     if (header.checksum != hash(content, sizeof(State)))
         return instance_error(m, "%s: the state is damaged (its checksum is wrong).", function);
