@@ -76,17 +76,17 @@ end M;
 """,
         tmp_path,
     )
-    constant, fixed, discrete, dependent = Kind.CONSTANT, Kind.FIXED, Kind.DISCRETE, Kind.DEPENDENT
+    constant, tunable, discrete, dependent = Kind.CONSTANT, Kind.TUNABLE, Kind.DISCRETE, Kind.DEPENDENT
     assert found == {
         "plain": {"x": constant, "u": constant},
-        "scaled": {"x": fixed, "u": fixed},
+        "scaled": {"x": tunable, "u": tunable},
         "switched": {"x": discrete, "time": dependent, "w": dependent},
         "jumping": {"x": discrete, "u": dependent},
         "squared": {"x": dependent, "u": constant},
         "stepped": {"x": dependent, "u": dependent},
         "chosen": {"x": constant, "time": constant},
         "product": {"u": dependent, "w": dependent},
-        "clock": {"time": fixed},
+        "clock": {"time": tunable},
         "mode": {"time": dependent, "w": dependent},
         "own": {"w": constant},
     }

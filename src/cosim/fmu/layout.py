@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import dataclass, field, replace
 
@@ -158,21 +159,32 @@ def _add_states(dae: Dae, layout: Layout) -> None:
     reinitialised = {reset.index for reset in dae.resets}
     places = {(slot.store, slot.index): k for k, slot in reversed(list(enumerate(layout.slots)))}
     references: list[int] = []
+    taken = {slot.name for slot in layout.slots}
     for index, state in enumerate(dae.states):
         place = places.get(("STORE_UNKNOWN", index))
         if place is None:
             place = len(layout.slots)
-            layout.slots.append(_continuous(state.name, "Protected in the model", "STORE_UNKNOWN", index))
+            # a state that is a derivative has the name of a variable that may equal it but for a factor
+            name = _free(taken, state.name, state.symbol.name())
+            layout.slots.append(_continuous(name, "Protected in the model", "STORE_UNKNOWN", index))
         references.append(place)
         layout.slots[place] = replace(layout.slots[place], reinitialised=index in reinitialised)
     for index, reference in enumerate(references):
         state_slot = layout.slots[reference]
         declaration = state_slot.scalar.declaration if state_slot.scalar is not None else None
-        derivative = _continuous(
-            f"der({state_slot.name})", f"Time derivative of {state_slot.name}", "STORE_DERIVATIVE", index
-        )
+        # the derivative of a state may be a state, too; der(x,1) means the same in FMI's naming convention
+        name = _free(taken, f"der({state_slot.name})", f"der({state_slot.name},1)")
+        derivative = _continuous(name, f"Time derivative of {state_slot.name}", "STORE_DERIVATIVE", index)
         unit = rate_unit(declaration.unit) if declaration is not None and declaration.unit else None
         layout.slots.append(replace(derivative, derivative_of=reference, unit=unit))
+
+
+def _free(taken: set[str], *names: str) -> str:
+    """The first of the names that is not taken, which it is then; the last one with a number if all are."""
+    numbered = (f"{names[-1]}_{number}" for number in itertools.count(2))
+    name = next(name for name in itertools.chain(names, numbered) if name not in taken)
+    taken.add(name)
+    return name
 
 
 def _add_indicators(dae: Dae, layout: Layout) -> None:
