@@ -141,6 +141,7 @@ def test_the_adjoint_is_the_transposed(valve: Path, build: Build) -> None:
         assert importer.adjoint(unknowns, knowns) == pytest.approx(found, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_the_linearized_model(build: Build) -> None:
     name = "WiperDrive.Systems.LinkagePlant"
     system = linearize(LIBRARY, name, at=0.5, inputs={"duty": 0.8, "tau_disturbance": 0.5})

@@ -47,6 +47,7 @@ def test_fmpy_finds_nothing_wrong(folder: Path, name: str) -> None:
     assert validate_fmu(str(folder / f"{name}.fmu")) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["linkage", "rig", "voltage_profile"])
 def test_fmpy_finds_nothing_wrong_with_the_wiper_drive(name: str) -> None:
     path = catalogue.ensure(name, "2.0")
@@ -162,6 +163,7 @@ def test_the_folder_of_the_export_holds_the_fmu_alone(dae: Dae, tmp_path: Path) 
     assert [entry.name for entry in path.parent.iterdir()] == ["BouncingBall.fmi2.fmu"]
 
 
+@pytest.mark.slow
 def test_the_catalogue_builds_what_is_missing_of_each_version(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     both = catalogue.build(["linkage"], tmp_path, fmi="both")
     assert [path.name for path in both] == ["LinkagePlant.fmu", "LinkagePlant.fmi2.fmu"]

@@ -22,6 +22,10 @@ from cosim.fmu.toolchain import fmi3_functions
 
 Build = Callable[[str], Path]
 SMALL = Path(__file__).parents[1] / "models" / "Small"
+WIPER = [
+    pytest.param(f"WiperDrive.{name}", marks=pytest.mark.slow)
+    for name in ("Systems.LinkagePlant", "Controllers.VoltageProfile")
+]
 MODELS = ["MotorOnSpring", "PendulumXY", "BouncingBall", "Lights", "Rod", "SampledPI", "Steps"]
 
 
@@ -30,7 +34,7 @@ def description(path: Path) -> tuple[ModelDescription, dict[str, ModelVariable]]
     return read, {variable.name: variable for variable in read.modelVariables}
 
 
-@pytest.mark.parametrize("name", [*MODELS, "WiperDrive.Systems.LinkagePlant", "WiperDrive.Controllers.VoltageProfile"])
+@pytest.mark.parametrize("name", [*MODELS, *WIPER])
 def test_fmpy_finds_nothing_wrong(build: Build, name: str) -> None:
     assert validate_fmu(str(build(name))) == []
 
@@ -108,6 +112,7 @@ def test_the_folder_of_the_export_holds_the_fmu_alone(tmp_path: Path) -> None:
     assert [entry.name for entry in path.parent.iterdir()] == ["PendulumAngle.fmu"]
 
 
+@pytest.mark.slow
 def test_another_process_writes_the_same_bytes(tmp_path: Path) -> None:
     """Whatever the order of sets, the time, and the folder are there."""
     program = "import sys; from pathlib import Path; from cosim.fmu import export_all; "

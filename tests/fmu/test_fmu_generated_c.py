@@ -79,8 +79,8 @@ def without_names(code: str) -> str:
 @pytest.mark.parametrize(
     "model",
     [
-        "WiperDrive.Systems.LinkagePlant",
         "WiperDrive.Controllers.VoltageProfile",
+        pytest.param("WiperDrive.Systems.LinkagePlant", marks=pytest.mark.slow),
         pytest.param("WiperDrive.Systems.RigPlant", marks=pytest.mark.slow),
         pytest.param("WiperDrive.Systems.SwitchedRigPlant", marks=pytest.mark.slow),
         pytest.param("WiperDrive.Electronics.ECU", marks=pytest.mark.slow),
@@ -108,6 +108,7 @@ def test_the_generated_code_of_a_small_model_does_not_depend_on_names(tmp_path: 
         assert without_names(other) == without_names(code)
 
 
+@pytest.mark.slow
 def test_the_generated_code_is_the_same_in_every_run() -> None:
     program = (
         "import sys, hashlib; from pathlib import Path\n"

@@ -45,6 +45,7 @@ def test_a_small_model_moves_as_casadi_and_idas_say(
         assert result[column] == pytest.approx(expected[column], abs=1e-5 * size), column
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["LinkagePlant", pytest.param("RigPlant", marks=pytest.mark.slow)])
 def test_a_plant_moves_as_casadi_and_idas_say(simulate: Simulate, name: str) -> None:
     # from rest at full voltage: the bridge conducts throughout, so that no relation changes its value

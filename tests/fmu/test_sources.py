@@ -46,7 +46,10 @@ def rebuilt(path: Path, folder: Path) -> Path:
     return unzipped
 
 
-@pytest.mark.parametrize(("name", "fmi", "fixed_step"), [("Rectifier", "3.0", None), ("FourBar", "2.0", 1e-3)])
+@pytest.mark.parametrize(
+    ("name", "fmi", "fixed_step"),
+    [("Rectifier", "3.0", None), pytest.param("FourBar", "2.0", 1e-3, marks=pytest.mark.slow)],
+)
 def test_a_plain_compiler_builds_a_binary_that_gives_the_same_bytes(
     tmp_path: Path, name: str, fmi: FmiVersion, fixed_step: float | None
 ) -> None:

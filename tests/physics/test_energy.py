@@ -10,7 +10,7 @@ import pytest
 from fmpy import simulate_fmu
 
 
-@pytest.mark.parametrize("model", ["LinkageEnergy", "RigEnergy"])
+@pytest.mark.parametrize("model", [pytest.param("LinkageEnergy", marks=pytest.mark.slow), "RigEnergy"])
 def test_supplied_energy_is_stored_or_lost_by_name(exported: Callable[[str], Path], model: str) -> None:
     result = simulate_fmu(
         str(exported(f"Tests.{model}")),

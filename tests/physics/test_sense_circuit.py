@@ -20,6 +20,7 @@ def error(fmu: Path, period: float, **parameters: float) -> float:
     return float(np.abs(result["input_.i_sample"][1:] - result["circuit.i"][:-1]).max())
 
 
+@pytest.mark.slow
 def test_samples_converge_to_the_circuit_with_the_square_of_their_period(exported: Callable[[str], Path]) -> None:
     """What is assumed is a current that is linear between samples.
 

@@ -169,6 +169,7 @@ def test_wrong_instant_is_refused() -> None:
         Controller().step(0.5, 0.0, True, True)
 
 
+@pytest.mark.slow
 @PLANTS
 def test_closed_loop_is_the_plant_under_its_own_duty(plant: Plant) -> None:
     # Other integrator, other handling of the diode; the same 2.5 s with the load pushed and braked.
