@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from conftest import LIBRARY, SMALL
 from oracle import trajectories
+
+TESTS = Path(__file__).parents[1]
+SMALL = TESTS / "models" / "Small"
+LIBRARY = TESTS.parent / "modelica" / "WiperDrive"
 
 Simulate = Callable[..., Any]
 

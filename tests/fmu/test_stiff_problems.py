@@ -14,9 +14,10 @@ from typing import Any
 import fmpy
 import numpy as np
 import pytest
-from conftest import TESTS
 
 from cosim.fmu import compile_model, export
+
+TESTS = Path(__file__).parents[1]
 
 STIFF = TESTS / "models" / "Stiff"
 PROBLEMS: dict[str, dict[str, Any]] = tomllib.loads((STIFF / "reference.toml").read_text(encoding="utf-8"))
