@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 import re
@@ -169,3 +170,39 @@ def test_a_choice_of_states_that_becomes_singular_is_named(fmi: FmiVersion, tmp_
     # the time of the fall from 2 rad to 90 degrees, by energy, with cos(phi) - cos(2) = s^2
     fall = quad(lambda s: 2 / math.sqrt(1 - (s**2 + math.cos(2)) ** 2), 0, math.sqrt(-math.cos(2)))[0]
     assert float(found[1]) == pytest.approx(fall / math.sqrt(2 * 9.81 / 0.7), abs=0.02)
+
+
+@pytest.mark.filterwarnings("ignore:Exception ignored on calling ctypes callback")
+def test_no_step_turns_back_unnoticed_at_a_singular_choice_of_states(tmp_path: Path) -> None:
+    (tmp_path / "M.mo").write_text(PENDULUM)
+    path = export(tmp_path / "M.mo", "M", tmp_path)
+    passed = []
+    for rows in (2e-4, 5e-4, 2e-3, 3e-3, 1e-2, 2e-2):
+        said: list[str] = []
+        with contextlib.suppress(fmpy.fmi1.FMICallException, RuntimeError):  # sooner or later there is no solution
+            fmpy.simulate_fmu(
+                str(path), stop_time=3.0, output_interval=rows, relative_tolerance=1e-6, fmi_type="ModelExchange",
+                logger=lambda *arguments, said=said: said.append(arguments[-1].decode()),
+            )  # fmt: skip
+        # it is horizontal after 0.2562 s, by energy
+        found = re.search(
+            r"t = (\S+) s (may have gone on with the wrong one|the algebraic equations cannot be)", said[0]
+        )
+        assert found is not None, said[0]
+        assert float(found[1]) == pytest.approx(0.2562, abs=rows + 1e-3)
+        if found[2].startswith("may"):
+            assert "y and vy cannot be computed from x and vx" in said[0]
+            passed.append(rows)
+    assert passed
+
+
+def test_a_four_bar_linkage_that_turns_is_not_warned_of(tmp_path: Path) -> None:
+    small = TESTS / "models" / "Small"
+    path = export(small / "FourBar.mo", "Small.FourBar", tmp_path)
+    said: list[str] = []
+    result = fmpy.simulate_fmu(
+        str(path), stop_time=10, output_interval=5e-3, relative_tolerance=1e-6, fmi_type="ModelExchange",
+        logger=lambda *arguments: said.append(arguments[-1].decode()),
+    )  # fmt: skip
+    assert result["phi"][-1] > 9 * 2 * math.pi
+    assert not said

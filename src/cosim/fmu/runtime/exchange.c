@@ -142,6 +142,7 @@ int exchange_complete_step(Simulation *m, const char *function)
     s->watched.completed[1] = fmin(s->watched.completed[0], s->t);
     s->watched.completed[0] = s->t;
     if (!simulation_check_selection(m) || !simulation_check_assertions(m)) return instance_failed(m);
+    simulation_watch_for_reflection(m);
     return STATUS_OK;
 }
 
@@ -174,6 +175,7 @@ int exchange_enter_continuous_time_mode(Simulation *m, const char *function)
         simulation_arm_indicators(m, v);
     }
     s->watched.event = s->watched.completed[0] = s->watched.completed[1] = s->t;
+    s->trend.points = 0;
     s->mode = CONTINUOUS_TIME_MODE;
     return STATUS_OK;
 }

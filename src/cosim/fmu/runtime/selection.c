@@ -34,6 +34,7 @@ typedef struct {
     double a[MODEL_CONSTRAINT_ROOM];                                 /* row by row */
     int row[MODEL_CONSTRAINT_ROWS], column[MODEL_CONSTRAINT_COLUMNS]; /* as permuted */
     int sign; /* of the determinant of the first columns; 0 if it is zero or not a number */
+    Determinant size; /* its absolute value, if it is not zero */
 } Matrix;
 
 static double *at(Matrix *x, int i, int j)
@@ -53,6 +54,7 @@ static void load(Matrix *x, int k, const double *entries)
     x->rows = model_constraints[k].rows;
     x->columns = model_constraints[k].columns;
     x->sign = 1;
+    x->size = (Determinant){1.0, 0};
     for (int i = 0; i < x->rows; i++) x->row[i] = i;
     for (int j = 0; j < x->columns; j++) x->column[j] = j;
     for (int i = 0; i < x->rows * x->columns; i++) x->a[i] = 0.0;
@@ -92,6 +94,9 @@ static void triangularise(Matrix *x)
         double pivot = *at(x, k, k);
         x->sign *= (pivot > 0.0) - (pivot < 0.0);
         if (x->sign == 0) return;
+        int exponent;
+        x->size.mantissa = frexp(x->size.mantissa * fabs(pivot), &exponent);
+        x->size.exponent += exponent;
         for (int i = k + 1; i < x->rows; i++) {
             double factor = *at(x, i, k) / pivot;
             for (int j = k; factor != 0.0 && j < x->columns; j++) *at(x, i, j) -= factor * *at(x, k, j);
@@ -147,6 +152,34 @@ int simulation_blame_selection(Simulation *m, const double *v)
         triangularise(&x);
         judge(m, &x, 0);
     }
+    return 0;
+}
+
+void simulation_determinants(const Simulation *m, double t, const double *v, Determinant *determinant)
+{
+    const State *s = &m->s;
+    double entries[MODEL_CONSTRAINT_ENTRIES];
+    model_constraint_entries(t, v, s->u, s->p, s->d, s->c, entries);
+    for (int e = 0; e < MODEL_CONSTRAINT_ENTRIES; e++)
+        if (!isfinite(entries[e])) entries[e] = 0.0; /* of no size, so that nothing follows from it */
+    for (int k = 0; k < MODEL_NCONSTRAINTS; k++) {
+        Matrix x;
+        load(&x, k, entries);
+        triangularise(&x);
+        determinant[k] = (Determinant){x.sign * x.size.mantissa, x.size.exponent};
+    }
+}
+
+int simulation_blame_passed(Simulation *m, const double *v, int k)
+{
+    const State *s = &m->s;
+    double entries[MODEL_CONSTRAINT_ENTRIES];
+    Matrix x;
+    model_constraint_entries(s->t, v, s->u, s->p, s->d, s->c, entries);
+    load(&x, k, entries);
+    scale_rows(&x);
+    triangularise(&x);
+    judge(m, &x, 1);
     return 0;
 }
 

@@ -55,6 +55,20 @@ typedef struct {
     int reinitialised; /* states have new values that the importer has not been told of */
 } Watched;
 
+/* The determinant of one set of constraints: mantissa * 2^exponent, as a product of many pivots leaves the range. */
+typedef struct {
+    double mantissa;
+    int exponent;
+} Determinant;
+
+/* The last two completed steps in Model Exchange, as far as known: see reflection.c. */
+typedef struct {
+    int points, told;  /* how many of them are known; the importer has been warned */
+    double t[2]; /* the last one comes first */
+    Determinant determinant[2][MODEL_ROOM(MODEL_NCONSTRAINTS)];
+    double v[MODEL_ROOM(MODEL_NV)], f[MODEL_ROOM(MODEL_NV)]; /* at the last one */
+} Trend;
+
 /* All that determines the future of an instance, and nothing else: saving it is copying it. */
 typedef struct {
     double t, stop, tolerance;
@@ -79,6 +93,7 @@ typedef struct {
     Accumulation accumulation[MODEL_ROOM(MODEL_NG)];
     Window window;
     Watched watched;
+    Trend trend;
     uint64_t counters[COUNTERS];
     signed char selection_sign[MODEL_ROOM(MODEL_NCONSTRAINTS)]; /* of the constraints' determinants; 0 if not known */
     InterfaceType type; /* of the FMI shell, as is the mode */
@@ -170,6 +185,11 @@ int simulation_check_progress(Simulation *m);
 int simulation_blame_selection(Simulation *m, const double *v);
 /* After a step: whether the choice of states has stayed regular, as far as looked at; 0 with a message if not. */
 int simulation_check_selection(Simulation *m);
+/* The determinants of all sets of constraints at t and v; and the message that the choice was singular at v, before s.t. */
+void simulation_determinants(const Simulation *m, double t, const double *v, Determinant *determinant);
+int simulation_blame_passed(Simulation *m, const double *v, int k);
+/* After a step of an importer: warn, once, if it may have turned back where it should have passed a singular point. */
+void simulation_watch_for_reflection(Simulation *m);
 int simulation_check_assertions(Simulation *m);
 void simulation_log_termination(Simulation *m, LogKind kind);
 void simulation_log_state_event(const Simulation *m); /* of the relations in m->changing */
