@@ -21,8 +21,9 @@ from cosim.fmu.versions import FmiVersion
 RUNTIME = Path(__file__).parent / "runtime"
 
 # no debug information: it holds the temporary folder's name, so that no two builds would be the same
-_COMPILING = ("-std=c11", "-g0")
-_LINKING = ("-g0", "-s", "-shared")
+_COMPILING = ("-std=c11", "-g0", "-ffunction-sections", "-fdata-sections")
+# -Os is for what zig adds of its own, such as Windows' start-up code
+_LINKING = ("-g0", "-s", "-shared", "-Os")
 PORTABLE_FLAGS = ("-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
 """What other compilers are told as well, that build an FMU from its sources: they are to give the same numbers."""
 
@@ -171,7 +172,12 @@ def compile_object(source: Path, includes: Sequence[Path], output: Path, target:
         BuildError: the compiler is missing or reports an error.
     """
     folders = [f"-I{folder.resolve()}" for folder in includes]
-    _run([*compiler(target), *_COMPILING, *PORTABLE_FLAGS, *folders, "-c", "-o", output.name, str(source)], output)
+    # no tables to unwind the stack by, for C throws nothing; Windows needs them
+    tables = [] if target.suffix == ".dll" else ["-fno-asynchronous-unwind-tables", "-fno-unwind-tables"]
+    _run(
+        [*compiler(target), *_COMPILING, *PORTABLE_FLAGS, *tables, *folders, "-c", "-o", output.name, str(source)],
+        output,
+    )
 
 
 def link_library(objects: Sequence[Path], output: Path, fmi: FmiVersion, target: Platform) -> None:
@@ -186,7 +192,10 @@ def link_library(objects: Sequence[Path], output: Path, fmi: FmiVersion, target:
 
 def _link(arguments: Sequence[str], output: Path, fmi: FmiVersion, target: Platform) -> None:
     libraries = [] if target.suffix == ".dll" else ["-lm"]
-    _run([*compiler(target), *_LINKING, "-o", output.name, *arguments, *libraries], output)
+    command = compiler(target)
+    # the linker that comes with macOS has another name for this
+    unused = ["-Wl,--gc-sections"] if target.suffix != ".dylib" or "ziglang" in command else []
+    _run([*command, *_LINKING, *unused, "-o", output.name, *arguments, *libraries], output)
     found = _exported(output, target)
     missing = [name for name in fmi_functions(fmi) if name not in found]
     if missing:
