@@ -67,7 +67,7 @@ def test_eight_workbooks_are_written_and_shown(
 
 def test_what_cannot_be_made_or_shown(cosim: Cosim) -> None:
     for arguments, message in (
-        (("synthesize", "--rows", 10), "10 rows; from 1000 to 50000 are possible"),
+        (("synthesize", "--rows", 10), "10 rows; a workbook can have from 1000 to 50000"),
         (("show", "none.csv"), "none.csv: there is no such measurement"),
         (("show", "i.csv", "--out", "x"), "i.csv: the torque was not measured; there is nothing to draw"),
         (
