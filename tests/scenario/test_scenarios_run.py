@@ -57,7 +57,9 @@ def test_it_reaches_its_end_and_the_current_never_reverses(runs: dict[str, Colum
     # At most the stall current, at the start, when there is no back-EMF yet; the high-speed coil has its own.
     settings = {setting.name: setting.value for setting in scenario.settings}
     resistance = float(settings.get("plant.motor.R", f"{R} Ohm").removesuffix(" Ohm"))
-    assert 5.0 < run["plant.i_motor"].max() < V0 / resistance
+    assert run["plant.i_motor"].max() < V0 / resistance
+    if scenario.controller != "speed_control":  # the others switch at least 0.7 of the supply on at once
+        assert run["plant.i_motor"].max() > 5.0
 
 
 @pytest.mark.parametrize("stem", ["linkage_full_voltage", "linkage_20ms", "linkage_disturbed"])
