@@ -23,6 +23,8 @@ CALLS = (
     *("SetTime", "SetContinuousStates", "GetContinuousStates", "GetNominalsOfContinuousStates", "GetDerivatives"),
     *("GetContinuousStateDerivatives", "GetEventIndicators", "EnterContinuousTimeMode", "CompletedIntegratorStep"),
     *("NewDiscreteStates", "InitializeSlave"),
+    *(f"{verb}FMU{letter}tate" for verb in ("Get", "Set", "Free") for letter in "sS"),
+    *("GetDirectionalDerivative",),
     *("Instantiate", "SetDebugLogging", "GetBooleanStatus", "Terminate", "FreeInstance"),
     *(LOADING, UNLOADING),
 )

@@ -70,6 +70,8 @@ class Instance(ABC):
     """The function that steps takes no flags, as in FMI 1.0 and 2.0."""
     initializes_at_once: ClassVar[bool] = False
     """There is no Initialization Mode: inputs are set before the call that initialises, as in FMI 1.0."""
+    no_return: c_bool | c_int
+    """What doStep is told: whether the FMU will never be put back to a state of before the step."""
     do_step: Call
     enter_event: Call
     enter_step: Call
@@ -144,6 +146,30 @@ class Instance(ABC):
     def symbol(self, function: str) -> str:
         """Return the name that a function has in the FMU's library."""
         return f"fmi{self.fmu.fmi_version[0]}{function}"
+
+    def state_symbol(self, verb: str) -> str:
+        """Return the name of a function that concerns the FMU's state ("Get", "Set", "Free"), without its prefix."""
+        return f"{verb}FMU{'s' if self.fmu.fmi_version == '2.0' else 'S'}tate"
+
+    def save_state(self, address: int) -> None:
+        """Keep the FMU's whole state, to which the pointer at this address refers from now on.
+
+        It may be null, or that of a state that was kept before, whose memory is used again. The FMU must be able to
+        (canGetAndSetFMUstate). Raises CallError.
+        """
+        self._state("Get", c_void_p(address))
+
+    def restore_state(self, state: int) -> None:
+        """Put the FMU back to a state that was kept; raises CallError."""
+        self._state("Set", c_void_p(state))
+
+    def free_state(self, address: int) -> None:
+        """Free the state to which the pointer at this address refers; raises CallError."""
+        self._state("Free", c_void_p(address))
+
+    def _state(self, verb: str, place: c_void_p) -> None:
+        function = self.state_symbol(verb)
+        self.check(function, self._bind(self.symbol(function), place)())
 
     def pointer(self, function: str) -> int:
         """Return the address of a function of the FMU's library."""
@@ -262,7 +288,8 @@ class Fmi2Instance(Instance):
         self._slave.instantiate(callbacks=fmi2_callbacks(self.log), loggingOn=logging)
 
     def _bind_calls(self) -> None:
-        self.do_step = self._bind("fmi2DoStep", self.t, self.h, c_int(1))
+        self.no_return = c_int(1)
+        self.do_step = self._bind("fmi2DoStep", self.t, self.h, self.no_return)
 
     def check(self, function: str, status: int) -> None:
         """Raise CallError as for FMI 3.0; a doStep that returns Discard may also mean that the FMU wants to end."""
@@ -319,9 +346,10 @@ class Fmi3Instance(Instance):
 
     def _bind_calls(self) -> None:
         flags = [c_void_p(addressof(self.flags) + byte) for byte in range(3)]
+        self.no_return = c_bool(True)
         self._reached = c_double()
         reached = c_void_p(addressof(self._reached))
-        self.do_step = self._bind("fmi3DoStep", self.t, self.h, c_bool(True), *flags, reached)
+        self.do_step = self._bind("fmi3DoStep", self.t, self.h, self.no_return, *flags, reached)
         updates = [c_void_p(addressof(self.update_flags) + byte) for byte in range(5)]
         self.update = self._bind("fmi3UpdateDiscreteStates", *updates, c_void_p(addressof(self.next_event)))
         self.enter_event = self._bind("fmi3EnterEventMode")
