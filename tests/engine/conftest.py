@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from coupled_systems import CoupledSystems
 
 from cosim.engine import Fmu
 
@@ -49,3 +50,12 @@ def undescribed_integrator(tmp_path_factory: pytest.TempPathFactory) -> Iterator
     path = build(with_unknown_dependencies(INTEGRATOR), 2, tmp_path_factory.mktemp("undescribed"))
     with Fmu.read(path) as opened:
         yield opened
+
+
+@pytest.fixture(scope="session")
+def coupled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CoupledSystems]:
+    """Plants in two parts that drive each other; see ``coupled_systems``."""
+    pytest.importorskip("rumoca")
+    systems = CoupledSystems(tmp_path_factory.mktemp("coupled"))
+    yield systems
+    systems.close()

@@ -1,0 +1,24 @@
+within Split;
+package Types "Quantities of the split plants"
+  type Length = Real(unit="m") "Length";
+  type Velocity = Real(unit="m/s") "Velocity";
+  type Mass = Real(unit="kg", min=0) "Mass";
+  type Force = Real(unit="N") "Force";
+  type Stiffness = Real(unit="N/m", min=0) "Stiffness of a spring";
+  type Damping = Real(unit="N.s/m", min=0) "Force of a damper for its speed";
+  type Voltage = Real(unit="V") "Voltage";
+  type Current = Real(unit="A") "Current";
+  type Resistance = Real(unit="Ohm", min=0) "Resistance";
+  type Inductance = Real(unit="H", min=0) "Inductance";
+  type AngularVelocity = Real(unit="rad/s") "Angular velocity";
+  type Torque = Real(unit="N.m") "Torque";
+  type MomentOfInertia = Real(unit="kg.m2", min=0) "Moment of inertia";
+  type EmfConstant = Real(unit="N.m/A") "Torque for a current, and voltage for a speed";
+  type Friction = Real(unit="N.m.s/rad", min=0) "Viscous friction";
+  type Temperature = Real(unit="K", min=0) "Absolute temperature";
+  type Power = Real(unit="W") "Power";
+  type HeatCapacity = Real(unit="J/K", min=0) "Heat capacity";
+  type Conductance = Real(unit="W/K", min=0) "Thermal conductance";
+  type Exchange = Real(unit="W/K4", min=0) "Radiated power for the fourth power of a temperature";
+  type Frequency = Real(unit="rad/s") "Angular frequency";
+end Types;
