@@ -36,10 +36,24 @@ def test_description(fmu: Get, fmu_path: Callable[[str, int], Path], version: in
     assert sampler.path == fmu_path("sampler", version)
     assert sampler.sha256 == hashlib.sha256(sampler.path.read_bytes()).hexdigest()
     assert sampler.capabilities["canHandleVariableCommunicationStepSize"] is True
+    in_time, at_start = sampler.dependencies, sampler.initial_dependencies
+    assert in_time == at_start
+    assert in_time["y"] == {"u", "enable"}
     assert sampler.variables["u"] == Variable("u", "Real", "input", "continuous", "m", None, 0.0, 1, None)
     assert sampler.variables["enable"] == Variable("enable", "Boolean", "input", "discrete", None, None, True, 2, None)
     assert sampler.variables["count"].type == "Integer"
     assert sampler.variables["side"].literals == ("left", "middle", "right")
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(("claim", "provided"), [('="true"', True), ('="false"', False), ("  = '1'", True)])
+def test_directional_derivatives_have_another_name_in_each_version(
+    fmu_path: Callable[[str, int], Path], tmp_path: Path, version: int, claim: str, provided: bool
+) -> None:
+    attribute = f"providesDirectionalDerivative{'s' * (version - 2)}"
+    edit = replacing("<CoSimulation ", f"<CoSimulation {attribute}{claim} ")
+    with Fmu.read(repack(fmu_path("integrator", version), tmp_path / "x.fmu", edit)) as claiming:
+        assert claiming.capabilities["providesDirectionalDerivative"] is provided
 
 
 @pytest.mark.parametrize("version", [2, 3])

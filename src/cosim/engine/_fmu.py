@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import os
+import re
 import shutil
 import tempfile
 import threading
@@ -19,7 +20,7 @@ import fmpy
 from fmpy.fmi1 import FMU1Slave
 from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3Slave
-from fmpy.model_description import InterfaceType, ModelDescription
+from fmpy.model_description import InterfaceType, ModelDescription, Unknown
 
 from cosim.archive import Archive
 from cosim.engine._binary import load
@@ -68,7 +69,8 @@ class Fmu:
     ``capabilities`` the attributes of the interface's element and ``platforms``, the folders with binaries.
 
     ``fmi_types`` holds each variable's type in the FMU ("Float64", "Int32", ...), ``dependencies`` the inputs that each
-    output depends on directly, None where the model description does not say.
+    output depends on directly, None where the model description does not say, ``initial_dependencies`` the same in
+    Initialization Mode.
 
     Use it as a context manager or call ``close``; otherwise the folder is removed when the object is collected or
     Python ends.
@@ -94,6 +96,7 @@ class Fmu:
     fmi_types: dict[str, str]
     left_out: dict[str, str]
     dependencies: dict[str, frozenset[str] | None]
+    initial_dependencies: dict[str, frozenset[str] | None]
     has_continuous_states: bool
     log_categories: tuple[str, ...]
 
@@ -120,6 +123,8 @@ class Fmu:
         self.needs_completed_step = exchange and bool(element.needsCompletedIntegratorStep)
         self.n_states_and_indicators = (len(description.derivatives), description.numberOfEventIndicators or 0)
         self.capabilities = {key: getattr(element, key, None) for key in _CAPABILITIES}
+        if self.fmi_version == "3.0":
+            self.capabilities["providesDirectionalDerivative"] = _provides_derivatives(xml, interface)
         facts = facts_of(xml) if self.fmi_version == "1.0" else None
         if facts:
             self.capabilities |= facts.capabilities
@@ -143,13 +148,8 @@ class Fmu:
             for variable in variables_of(described, opaque):
                 self.variables[variable.name] = variable
                 self.fmi_types[variable.name] = described.type
-        self.dependencies = {
-            name: None
-            if unknown.dependencies is None
-            else frozenset(itertools.chain.from_iterable(map(names_of, unknown.dependencies)))
-            for unknown in description.outputs
-            for name in names_of(unknown.variable)
-        }
+        self.dependencies = _dependencies(description.outputs)
+        self.initial_dependencies = _dependencies(description.initialUnknowns)
         self.has_continuous_states = bool(description.derivatives)
         self.log_categories = tuple(category.name for category in description.logCategories)
         self._token = description.guid
@@ -273,6 +273,23 @@ def _remedy(path: Path, names: Iterable[str]) -> str:
     if any(name.startswith("sources/") and name.endswith(".c") for name in names):
         return f"it has C sources: `fmpy compile {path}` adds a binary that a C compiler here makes of them"
     return "export it for this platform"
+
+
+def _dependencies(unknowns: Iterable[Unknown]) -> dict[str, frozenset[str] | None]:
+    return {
+        name: None
+        if unknown.dependencies is None
+        else frozenset(itertools.chain.from_iterable(map(names_of, unknown.dependencies)))
+        for unknown in unknowns
+        for name in names_of(unknown.variable)
+    }
+
+
+def _provides_derivatives(xml: bytes, interface: Interface) -> bool:
+    """Tell whether an FMI 3.0 FMU provides directional derivatives; fmpy looks for the attribute of FMI 2.0."""
+    element = re.search(rb"<%b\s[^>]*>" % interface.encode(), xml)
+    claim = rb"\sprovidesDirectionalDerivatives\s*=\s*[\"'](true|1)[\"']"
+    return element is not None and re.search(claim, element[0]) is not None
 
 
 def _element(description: ModelDescription, interface: Interface) -> InterfaceType:
