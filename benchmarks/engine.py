@@ -115,7 +115,15 @@ def run(loop: str, system: System, stop: float, interval: float, *, step: float 
     """Run with one of the loops; with a macro step by the Jacobi algorithm."""
     os.environ["COSIM_ENGINE"] = loop
     algorithm: Algorithm = "gauss-seidel" if step is None else "jacobi"
-    return simulate(system, stop=stop, output_interval=interval, tolerance=1e-6, algorithm=algorithm, step=step)
+    return simulate(
+        system,
+        stop=stop,
+        output_interval=interval,
+        tolerance=1e-6,
+        algorithm=algorithm,
+        step=step,
+        coupling_error=False,
+    )
 
 
 def wall(result: Result) -> float:

@@ -28,13 +28,17 @@ _COUNTERS = ("steps", "rejected_steps", "rhs_evaluations", "jacobians", "state_e
 
 @dataclass(frozen=True)
 class Job:
-    """What is to be simulated, checked: times in s, ``step`` that of the Jacobi algorithm, None for the default one."""
+    """What is to be simulated, checked: times in s, ``step`` that of the Jacobi algorithm, None for the default one.
+
+    The default one steps continuous components in so many ``parts`` from instant to instant.
+    """
 
     system: System
     stop: float
     output_interval: float
     tolerance: float
     step: float | None = None
+    parts: int = 1
 
 
 @dataclass
@@ -111,11 +115,11 @@ def execute(job: Job, plan: Plan, record: Record, progress: Callable[[float], No
         initialize(plan, job.tolerance, job.stop)
         started = time.perf_counter()
         if library is not None:
-            run_native(library, plan, record, job.step, progress)
+            run_native(library, plan, record, job.step, progress, job.parts)
         elif job.step is not None:
             run_jacobi(plan, record, job.step, progress)
         else:
-            run(plan, record, progress)
+            run(plan, record, progress, job.parts)
     except CallError as failure:
         message = failure_message(failure, record)
         return Ending(_statistics(plan, record, started, failure.instance), message)

@@ -23,8 +23,11 @@ PROGRESS_INTERVAL = 0.05
 """Time between two calls of ``progress`` [s]."""
 
 
-def run(plan: Plan, record: Record, progress: Callable[[float], None] | None) -> None:
-    """Simulate over the grid of ``record``; raises CallError, the record holding what was computed until then."""
+def run(plan: Plan, record: Record, progress: Callable[[float], None] | None, parts: int = 1) -> None:
+    """Simulate over the grid of ``record``, the continuous components in ``parts`` steps from instant to instant.
+
+    Raises CallError, the record holding what was computed until then.
+    """
     values = plan.values
     grid = record.grid.tolist()
     stop = grid[-1]
@@ -51,7 +54,12 @@ def run(plan: Plan, record: Record, progress: Callable[[float], None] | None) ->
         exchanging = instant <= row + SAME_INSTANT
         t = min(instant if exchanging else row, stop)
         recording = t >= row - SAME_INSTANT
-        advance(plan, now, t, recording)
+        begun = now
+        for part in range(1, parts):
+            until = now + (t - now) * part / parts
+            advance(plan, begun, until, recording=False)
+            begun = until
+        advance(plan, begun, t, recording)
         for participant in undated:
             if participant.due == inf:
                 participant.carry(t)

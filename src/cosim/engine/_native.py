@@ -34,10 +34,15 @@ _PIECE = 0.1
 
 
 def run_native(
-    library: ctypes.CDLL, plan: Plan, record: Record, step: float | None, progress: Callable[[float], None] | None
+    library: ctypes.CDLL,
+    plan: Plan,
+    record: Record,
+    step: float | None,
+    progress: Callable[[float], None] | None,
+    parts: int = 1,
 ) -> None:
     """Do what ``run`` does, or ``run_jacobi`` if there is a ``step`` [s], with the same numbers, bit for bit."""
-    tables = Tables(plan, record, step)
+    tables = Tables(plan, record, step, parts)
     engine = tables.engine
     watched = any(participant.instance.site.watched for participant in (*plan.discrete, *plan.continuous))
     go_on = library.cosim_run_watched if watched else library.cosim_run

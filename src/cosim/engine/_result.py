@@ -24,7 +24,14 @@ class Result:
 
     ``statistics``: ``wall_s`` [s] of the loop; ``loop``, "native" or "python"; ``exchanges``, the number of instants at
     which values were handed over; by component ``roles``, ``steps`` (doStep calls), ``events`` (instants with an event,
-    event-mode components) and ``solver`` (the counters that the FMU publishes as ``solver.*``).
+    event-mode components) and ``solver`` (the counters that the FMU publishes as ``solver.*``); ``coupling``, a list
+    with an entry for each connection, and ``second_wall_s`` of the run behind its estimates, if there was one.
+
+    An entry of ``coupling`` has ``source``, ``target``, ``delay_s``, the longest time [s] between the instant for which
+    a value is put out and that from which it acts (None: unknown), ``error``, the estimated largest error of the
+    source's signal in its ``unit``, ``relative``, that as a share of the signal's range, ``order``, the power of the
+    interval between communication points with which the error falls, and ``target_outputs``, the output of the target
+    that is off most. ``error`` is None where ``note`` says that there is none, or why it is not known.
     """
 
     time: NDArray[np.float64]

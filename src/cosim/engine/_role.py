@@ -35,7 +35,7 @@ def role_of(fmu: Fmu) -> Role:
     """Return the role that the model description of an FMU implies."""
     outputs = [variable for variable in fmu.variables.values() if variable.causality == "output"]
     all_discrete = bool(outputs) and all(variable.variability != "continuous" for variable in outputs)
-    if fmu.has_continuous_states or not (all_discrete or _has_period(fmu)):
+    if fmu.has_continuous_states or not (all_discrete or has_period(fmu)):
         return Role.CONTINUOUS
     if fmu.has_event_mode:
         return Role.EVENT
@@ -45,7 +45,7 @@ def role_of(fmu: Fmu) -> Role:
 
 def period_of(component: Component, output_interval: float) -> float:
     """Return the sample period [s] of a sampled component; raises FmuError if it is not positive."""
-    if not _has_period(component.fmu):
+    if not has_period(component.fmu):
         return component.fmu.fixed_step or output_interval
     value = component.parameters.get(_PERIOD, component.fmu.variables[_PERIOD].start)
     if not isinstance(value, int | float) or not value > 2.0 * SAME_INSTANT:
@@ -60,7 +60,8 @@ def fixed_step_of(component: Component, output_interval: float) -> float:
     return component.fmu.fixed_step or output_interval
 
 
-def _has_period(fmu: Fmu) -> bool:
+def has_period(fmu: Fmu) -> bool:
+    """Tell whether an FMU says by a parameter how often it computes."""
     variable = fmu.variables.get(_PERIOD)
     return variable is not None and variable.causality == "parameter" and variable.type == "Real"
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_steps, check_step
 from cosim.engine._calls import Site
+from cosim.engine._coupling_error import Companion, Estimate, no_estimate
 from cosim.engine._execution import Ending, Job, execute, instantiated, loop_name
 from cosim.engine._isolation import Isolate, is_isolated, run_isolated
 from cosim.engine._parameters import parameters_of
@@ -32,6 +33,7 @@ def simulate(
     isolate: Isolate = "never",
     call_timeout: float = Limits.call,
     memory_limit: float | None = Limits.memory,
+    coupling_error: bool = True,
 ) -> Result:
     """Simulate from 0 to ``stop`` [s] and record every ``output_interval`` [s].
 
@@ -42,6 +44,10 @@ def simulate(
     the other in the order of direct feedthrough. "jacobi" takes macro steps of ``step`` [s], of which
     ``output_interval`` and ``stop`` must be multiples: at each communication point all components put out, then all are
     stepped, without event mode, whatever their role; changes of channels act from the next communication point on.
+
+    If ``coupling_error``, a run in which continuous components exchange signals is followed by a second one with halved
+    intervals between communication points, which takes about twice its time and tells how far off it was:
+    docs/coupling.md. ``progress`` then starts again. Systems in which nothing continuous is exchanged run once.
 
     ``isolate`` "always" runs all of it in a process of its own, with the same numbers, so that an FMU that crashes,
     hangs or ends its process ends that one only; "auto" does so unless this project has built all FMUs here; "never"
@@ -68,12 +74,21 @@ def simulate(
     limits = Limits(call_timeout, memory_limit)
     layout = lay_out(system)
     job = Job(system, stop, output_interval, tolerance, step)
-    if is_isolated(isolate, system):
-        record, ending = run_isolated(job, layout.recorded, loop, limits, progress)
-    else:
+    isolated = is_isolated(isolate, system)
+
+    def run(job: Job) -> tuple[Record, Ending]:
+        if isolated:
+            return run_isolated(job, layout.recorded, loop, limits, progress)
         record = Record.empty(stop, output_interval, layout.recorded, loop)
-        ending = _run_here(job, record, progress)
+        return record, _run_here(job, record, progress)
+
+    record, ending = run(job)
+    companion = Companion(job)
+    estimate = _estimate(companion, layout, record, ending, run) if coupling_error else no_estimate("not asked for")
+    ending.statistics["coupling"] = companion.account(layout, estimate)
     result = _result(layout, record, ending)
+    if estimate.interrupted:
+        raise SimulationInterrupted("interrupted while the coupling error was estimated, after the run itself", result)
     if ending.interrupted:
         raise SimulationInterrupted(ending.message or "", result)
     if ending.message is not None:
@@ -85,6 +100,20 @@ def _run_here(job: Job, record: Record, progress: Callable[[float], None] | None
     sites = [Site(record.at, number) for number in range(len(job.system.components))]
     with instantiated(job, sites) as plan:
         return execute(job, plan, record, progress)
+
+
+def _estimate(
+    companion: Companion, layout: Layout, record: Record, ending: Ending, run: Callable[[Job], tuple[Record, Ending]]
+) -> Estimate:
+    """Run a second time if that tells something, and compare."""
+    if ending.message is not None:
+        return no_estimate("the run has ended early")
+    job = companion.job
+    if job is None:
+        return no_estimate("nothing to tell")
+    fine, second = run(job)
+    ending.statistics["second_wall_s"] = second.statistics.get("wall_s")
+    return companion.compare(layout, record, fine, second)
 
 
 def _result(layout: Layout, record: Record, ending: Ending) -> Result:

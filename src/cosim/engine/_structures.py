@@ -110,7 +110,7 @@ class Engine(Structure):
         *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines")),
         *((name, c_int64) for name in ("change", "macro_steps")),
         ("step", c_double),
-        *((name, c_int32) for name in ("coupled", "started", "not_a_number", "unused")),
+        *((name, c_int32) for name in ("coupled", "started", "not_a_number", "parts")),
         ("failure", Failure),
     ]
 

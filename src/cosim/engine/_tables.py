@@ -27,8 +27,11 @@ class Tables:
     counts them. ``engine`` lies in the memory that the record has for it.
     """
 
-    def __init__(self, plan: Plan, record: Record, step: float | None) -> None:
-        """Fill in the tables; ``step`` [s] is the macro step of the Jacobi algorithm, None for the default one."""
+    def __init__(self, plan: Plan, record: Record, step: float | None, parts: int = 1) -> None:
+        """Fill in the tables; ``step`` [s] is the macro step of the Jacobi algorithm, None for the default one.
+
+        That one steps the continuous components in so many ``parts`` from instant to instant.
+        """
         participants = [*plan.discrete, *plan.continuous]
         self.participants = {participant.instance.site.number: participant for participant in participants}
         self.groups: list[InputGroup | OutputGroup] = []
@@ -63,6 +66,7 @@ class Tables:
             n_lines=len(lines),
             step=step or 0.0,
             coupled=plan.coupled,
+            parts=parts,
         )
 
     def take_back(self) -> None:

@@ -170,7 +170,7 @@ typedef struct {
     int32_t coupled;     /* every communication point is an exchange */
     int32_t started;
     int32_t not_a_number; /* an output that has been read is none */
-    int32_t unused;
+    int32_t parts;       /* steps of the continuous components from instant to instant; not for the fixed-step algorithm */
     Failure failure;
 } Engine;
 

@@ -35,8 +35,8 @@ static bool exchange(Engine *engine, double t, bool recording) {
 }
 
 /* Step the continuous components from now to t, each with what those before it have just put out. */
-static bool advance(Engine *engine, double t, bool recording) {
-    const double now = engine->at.now, h = t - now;
+static bool advance(Engine *engine, double now, double t, bool recording) {
+    const double h = t - now;
     Component *const end = engine->continuous + engine->n_continuous;
     for (Component *component = engine->continuous; component < end; component++) {
         if (component->due < INFINITY && !begin_fixed_step(engine, component, now)) return false;
@@ -56,6 +56,17 @@ static bool advance(Engine *engine, double t, bool recording) {
     return true;
 }
 
+static bool advance_in_parts(Engine *engine, double t, bool recording) {
+    const double now = engine->at.now;
+    double begun = now;
+    for (int32_t part = 1; part < engine->parts; part++) {
+        const double until = now + (t - now) * part / engine->parts;
+        if (!advance(engine, begun, until, false)) return false;
+        begun = until;
+    }
+    return advance(engine, begun, t, recording);
+}
+
 /* Step to the next instant at which something is to be exchanged, or to the next row if that comes first. */
 static bool go_on(Engine *engine) {
     Component *const end = engine->discrete + engine->n_discrete;
@@ -73,7 +84,7 @@ static bool go_on(Engine *engine) {
     double t = exchanging ? instant : row;
     if (t > stop) t = stop;
     const bool recording = is_row(engine, t);
-    if (!advance(engine, t, recording)) return false;
+    if (!advance_in_parts(engine, t, recording)) return false;
     for (Component *component = engine->discrete; component < end; component++) {
         if (component->role == EVENT && component->due == INFINITY) {
             if (!carry(engine, component, t)) return false;
