@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 
 from cosim.engine._system import SAME_INSTANT, Channel
@@ -37,12 +37,20 @@ class Line:
         y0, y1 = self.values[last], self.values[last + 1]
         return y0 + (y1 - y0) * max(0.0, t - t0) / (t1 - t0)
 
+    def before(self, t: float) -> float:
+        """Return the value at t [s], before a step at t."""
+        first = bisect_left(self.times, t - SAME_INSTANT)
+        if first == 0 and t > SAME_INSTANT:
+            return self.start
+        if first < len(self.times) and self.times[first] <= t + SAME_INSTANT:
+            return self.values[first]
+        return self.at(t)
+
 
 class Schedule:
     """The changes of all hold channels and the corners of the linear ones, as instants in rising order.
 
-    ``next`` is the time [s] of the first change that was not yet applied, infinite after the last; ``position`` is how
-    many were applied.
+    ``next`` is the time [s] of the first change that was not yet applied, infinite after the last.
     """
 
     def __init__(self, holds: Sequence[tuple[Channel, int]], lines: Sequence[Line]) -> None:
@@ -52,23 +60,15 @@ class Schedule:
             changes += [(time, slot, float(value)) for time, value in zip(channel.times, channel.values, strict=True)]
         corners = [(time, -1, 0.0) for line in lines for time in line.times]
         self.changes = sorted(changes + corners, key=lambda change: change[0])
-        self.position = 0
-        self._look()
-
-    def skip(self, t: float) -> None:
-        """Take all changes up to t [s] as applied, and no others."""
-        self.position = bisect_right(self.changes, t + SAME_INSTANT, key=lambda change: change[0])
-        self._look()
-
-    def _look(self) -> None:
-        ended = self.position == len(self.changes)
-        self.next = math.inf if ended else self.changes[self.position][0]
+        self._position = 0
+        self.next = self.changes[0][0] if self.changes else math.inf
 
     def apply(self, t: float, values: array[float]) -> None:
         """Put all changes up to t [s], and not yet applied, into the signals; of two at one time the second stays."""
         while self.next <= t + SAME_INSTANT:
-            _, slot, value = self.changes[self.position]
+            _, slot, value = self.changes[self._position]
             if slot >= 0:
                 values[slot] = value
-            self.position += 1
-            self._look()
+            self._position += 1
+            ended = self._position == len(self.changes)
+            self.next = math.inf if ended else self.changes[self._position][0]

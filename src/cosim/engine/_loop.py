@@ -23,13 +23,10 @@ PROGRESS_INTERVAL = 0.05
 """Time between two calls of ``progress`` [s]."""
 
 
-def run(
-    plan: Plan, record: Record, progress: Callable[[float], None] | None, parts: int = 1, pause: float = inf
-) -> None:
+def run(plan: Plan, record: Record, progress: Callable[[float], None] | None, parts: int = 1) -> None:
     """Simulate over the grid of ``record``, the continuous components in ``parts`` steps from instant to instant.
 
-    It goes on from where the plan and the record are, and returns at the first communication point at or after
-    ``pause`` [s], its row recorded. Raises CallError, the record holding what was computed until then.
+    Raises CallError, the record holding what was computed until then.
     """
     values = plan.values
     grid = record.grid.tolist()
@@ -38,10 +35,11 @@ def run(
     timed = [*discrete, *(p for p in plan.continuous if p.due < inf)]
     undated = [p for p in discrete if p.role is Role.EVENT]
     shown = 0.0
-    now = record.now
-    if not record.exchanges:
-        record.exchanges = 1
-        exchange(plan, now, recording=True)
+    now = 0.0
+    record.exchanges = 1
+    plan.faults.arrive(now)
+    exchange(plan, now, recording=True)
+    plan.faults.settle(now)
     while True:
         if now >= grid[record.count] - SAME_INSTANT:
             for participant in discrete:
@@ -52,11 +50,10 @@ def run(
             record.put(values)
             if record.count == len(grid):
                 break
-        if now >= pause - SAME_INSTANT:
-            return
         row = grid[record.count]
         due = min([p.due for p in timed], default=inf)
-        instant = due if due <= schedule.next + SAME_INSTANT else schedule.next
+        change = min(schedule.next, plan.faults.clock.next)
+        instant = due if due <= change + SAME_INSTANT else change
         exchanging = instant <= row + SAME_INSTANT
         t = min(instant if exchanging else row, stop)
         recording = t >= row - SAME_INSTANT
@@ -71,10 +68,12 @@ def run(
                 participant.carry(t)
                 exchanging = exchanging or participant.due == t
         record.now = now = t
+        plan.faults.arrive(t)
         if exchanging:
             if isnan(sum(values)):
                 check_numbers(plan)
             exchange(plan, t, recording)
+        plan.faults.settle(t)
         record.exchanges += exchanging or plan.coupled
         if progress is not None and (clock := time.perf_counter()) - shown >= PROGRESS_INTERVAL:
             shown = clock
@@ -83,30 +82,27 @@ def run(
         progress(stop)
 
 
-def run_jacobi(
-    plan: Plan, record: Record, step: float, progress: Callable[[float], None] | None, pause: float = inf
-) -> None:
-    """Simulate in macro steps of ``step`` [s], all components stepped with what all have put out at its beginning.
-
-    It begins and pauses as ``run`` does.
-    """
+def run_jacobi(plan: Plan, record: Record, step: float, progress: Callable[[float], None] | None) -> None:
+    """Simulate in macro steps of ``step`` [s], all components stepped with what all have put out at its beginning."""
     values = plan.values
     grid = record.grid.tolist()
     shown = 0.0
-    if not record.exchanges:
-        record.exchanges = 1
-        plan.schedule.apply(0.0, values)
+    macro_steps = 0
+    record.exchanges = 1
+    plan.faults.arrive(0.0)
+    plan.schedule.apply(0.0, values)
+    plan.faults.settle(0.0)
     while True:
         if record.now >= grid[record.count] - SAME_INSTANT:
             record.put(values)
             if record.count == len(grid):
                 break
-        if record.now >= pause - SAME_INSTANT:
-            return
         now = record.now
-        t = record.exchanges * step
+        macro_steps += 1
+        t = macro_steps * step
         for line in plan.lines:
             values[line.middle] = line.at(now + 0.5 * step)
+        plan.faults.begin_step(now, 0.0)
         for participant in plan.continuous:
             participant.write()
         for participant in plan.continuous:
@@ -116,7 +112,9 @@ def run_jacobi(
             participant.read(recording)
         for line in plan.lines:
             values[line.slot] = line.at(t)
+        plan.faults.arrive(t)
         plan.schedule.apply(t, values)
+        plan.faults.settle(t)
         record.now = t
         record.exchanges += 1
         if isnan(sum(values)):
@@ -141,6 +139,7 @@ def advance(plan: Plan, now: float, t: float, recording: bool) -> None:
         participant.begin_fixed_step(now)
     for line in plan.lines:
         values[line.middle] = line.at(now + 0.5 * h)
+    plan.faults.begin_step(now, h)
     for participant in plan.continuous:
         if participant in fixed:
             participant.end_fixed_step(t)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.engine._checkpoint import Checkpoint
+from cosim.engine._fault import Fault
 from cosim.errors import SimulationError
 
 
@@ -17,8 +17,9 @@ class Result:
 
     ``time`` [s] has shape (n,): the multiples of the output interval, and stop as the last. ``columns`` maps
     "component.variable" to an array of shape (n,), in the order of the components: all their outputs, then the inputs
-    that channels drive; float64 for Real, int64 for the other types (a Boolean is 0 or 1). ``units`` holds the FMI
-    unit of the columns that have one, ``literals`` the names of an enumeration's values 1, 2, ...
+    that channels drive, and those with faults, as the components get them; float64 for Real, int64 for the other types
+    (a Boolean is 0 or 1). ``units`` holds the FMI unit of the columns that have one, ``literals`` the names of an
+    enumeration's values 1, 2, ..., ``faults`` what was done on purpose, with the periods that were chosen.
 
     A row holds the values after the events at its time; an output of a continuous component holds the end of the step
     that led there, before those events act on it.
@@ -33,9 +34,6 @@ class Result:
     source's signal in its ``unit``, ``relative``, that as a share of the signal's range, ``order``, the power of the
     interval between communication points with which the error falls, and ``target_outputs``, the output of the target
     that is off most. ``error`` is None where ``note`` says that there is none, or why it is not known.
-
-    After a resumed run ``resumed_at_s`` [s] tells from where, all other counts are from 0 on, and ``wall_s`` is that of
-    the rest. ``checkpoints`` are those that ``simulate`` was asked for, as far as it came.
     """
 
     time: NDArray[np.float64]
@@ -45,7 +43,7 @@ class Result:
     statistics: dict[str, object] = field(default_factory=dict)
     complete: bool = True
     message: str | None = None
-    checkpoints: tuple[Checkpoint, ...] = ()
+    faults: tuple[Fault, ...] = ()
 
 
 class PartialResultError(SimulationError):
