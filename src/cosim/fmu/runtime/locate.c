@@ -6,10 +6,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "cubic.h"
 #include "simulation.h"
 
 /* The whole step is looked at through these points; between them through the cubic that they define. */
-enum { SAMPLES = 4, NARROWINGS = MODEL_HAS_FIXED_STEP ? 12 : 200 };
+enum { SAMPLES = CUBIC_POINTS, NARROWINGS = MODEL_HAS_FIXED_STEP ? 12 : 200 };
 static const double SAMPLE_AT[SAMPLES] = {0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0};
 
 typedef struct {
@@ -42,21 +43,6 @@ static int changed(const Simulation *m, const Sample *sample)
     return 0;
 }
 
-/* Extrema of the cubic through four equidistant values, in units of the distance; returns how many lie inside. */
-static int extrema(const double g[SAMPLES], double at[2])
-{
-    double first = g[1] - g[0], second = g[2] - 2.0 * g[1] + g[0], third = g[3] - 3.0 * g[2] + 3.0 * g[1] - g[0];
-    double a = 0.5 * third, b = second - third, c = first - 0.5 * second + third / 3.0;
-    double discriminant = b * b - 4.0 * a * c;
-    if (!(discriminant >= 0.0)) return 0;
-    double q = -0.5 * (b + copysign(sqrt(discriminant), b));
-    double roots[2] = {q / a, c / q};
-    int n = 0;
-    for (int i = 0; i < 2; i++)
-        if (roots[i] > 0.0 && roots[i] < SAMPLES - 1) at[n++] = roots[i];
-    return n;
-}
-
 /* An excursion that comes back between two samples shows as an extremum of the cubic near zero. */
 static void look_between(const Simulation *m, const Sample samples[SAMPLES], Sample *earliest)
 {
@@ -69,7 +55,7 @@ static void look_between(const Simulation *m, const Sample samples[SAMPLES], Sam
             high = fmax(high, g[i]);
         }
         if (!(least < high - low)) continue;
-        int n = extrema(g, at);
+        int n = cubic_extrema(g, at);
         for (int i = 0; i < n; i++) {
             Sample extremum = {.theta = at[i] / (SAMPLES - 1)};
             if (extremum.theta >= earliest->theta) continue;

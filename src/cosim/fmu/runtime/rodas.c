@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT-0
  *
- * Coefficients: G. Steinebach, Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia
- * Differential Equations package, BIT Numerical Mathematics 63:27 (2023), in the transformed form that needs no product
- * with the Jacobian: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., equation (IV.7.25).
+ * The method's coefficients are those of rodas_table.h.
  */
 #include "rodas.h"
 
@@ -10,42 +8,6 @@
 #include <string.h>
 
 #include "lu.h"
-
-static const double GAMMA = 0.21193756319429014;
-/* Stages 6 and 7 (counted from 0) start where the one before them ends: their rows repeat row 5 with ones after it. */
-static const double A[6][5] = {
-    {0},
-    {3.0},
-    {2.849394379747939, 0.45842242204463923},
-    {-6.954028509809101, 2.489845061869568, -10.358996098473584},
-    {2.8029986275628964, 0.5072464736228206, -0.3988312541770524, -0.04721187230404641},
-    {-7.502846399306121, 2.561846144803919, -11.627539656261098, -0.18268767659942256, 0.030198172008377946},
-};
-static const double C[RODAS_STAGES][RODAS_STAGES - 1] = {
-    {0},
-    {-14.155112264123755},
-    {-17.97296035885952, -2.859693295451294},
-    {147.12150275711716, -1.41221402718213, 71.68940251302358},
-    {165.43517024871676, -0.4592823456491126, 42.90938336958603, -5.961986721573306},
-    {24.854864614690072, -3.0009227002832186, 47.4931110020768, 5.5814197821558125, -0.6610691825249471},
-    {30.91273214028599, -3.1208243349937974, 77.79954646070892, 34.28646028294783, -19.097331116725623,
-     -28.087943162872662},
-    {37.80277123390563, -3.2571969029072276, 112.26918849496327, 66.9347231244047, -40.06618937091002,
-     -54.66780262877968, -9.48861652309627},
-};
-static const double ALPHA[RODAS_STAGES] = {
-    0.0, 0.6358126895828704, 0.4095798393397535, 0.9769306725060716, 0.4288403609558664, 1.0, 1.0, 1.0};
-static const double D[RODAS_STAGES] = {
-    0.21193756319429014, -0.42387512638858027, -0.3384627126235924, 1.8046452872882734, 2.325825639765069, 0.0, 0.0,
-    0.0};
-static const double DENSE[RODAS_DENSE][RODAS_STAGES] = {
-    {25.948786856663858, -2.5579724845846235, 10.433815404888879, -2.3679251022685204, 0.524948541321073,
-     1.1241088310450404, 0.4272876194431874, -0.17202221070155493},
-    {-9.91568850695171, -0.9689944594115154, 3.0438037242978453, -24.495224566215796, 20.176138334709044,
-     15.98066361424651, -6.789040303419874, -6.710236069923372},
-    {11.419903575922262, 2.8879645146136994, 72.92137995996029, 80.12511834622643, -52.072871366152654,
-     -59.78993625266729, -0.15582684282751913, 4.883087185713722},
-};
 
 /* Block elimination of the algebraic unknowns from J; index 1 means that it is possible. */
 static int eliminate(Rodas *r)
@@ -77,7 +39,7 @@ static int factorise(Rodas *r, double h)
 {
     StageSystem *s = &r->system;
     for (int i = 0; i < MODEL_NX * MODEL_NX; i++) s->W[i] = -s->xx[i];
-    for (int i = 0; i < MODEL_NX; i++) s->W[i * MODEL_NX + i] += 1.0 / (GAMMA * h);
+    for (int i = 0; i < MODEL_NX; i++) s->W[i * MODEL_NX + i] += 1.0 / (RODAS_GAMMA * h);
     int singular = lu_prepare(MODEL_NX, s->W, s->pivots_x);
     if (singular) r->worst = singular - 1;
     return singular;
@@ -108,9 +70,9 @@ static void solve(const StageSystem *s, double *b, double *k)
 static void solve_stage(Rodas *r, int stage, double h, const double *f)
 {
     double b[MODEL_ROOM(MODEL_NV)];
-    for (int i = 0; i < MODEL_NV; i++) b[i] = f[i] + h * D[stage] * r->f_t[i];
+    for (int i = 0; i < MODEL_NV; i++) b[i] = f[i] + h * RODAS_D[stage] * r->f_t[i];
     for (int j = 0; j < stage; j++) {
-        double factor = C[stage][j] / h;
+        double factor = RODAS_C[stage][j] / h;
         for (int i = 0; i < MODEL_NX; i++) b[i] += factor * r->K[j][i];
     }
     solve(&r->system, b, r->K[stage]);
@@ -158,7 +120,7 @@ static double defect(Rodas *r, double h, double tolerance, const Held *held)
     for (int i = 0; i < MODEL_NX; i++) {
         double slope = r->step.v_new[i] - r->step.v[i];
         for (int k = 0; k < RODAS_DENSE; k++) slope += SLOPE[k] * r->step.dense[k][i];
-        f[i] = (f[i] - slope / h) / GAMMA;
+        f[i] = (f[i] - slope / h) / RODAS_GAMMA;
     }
     solve(&r->system, f, error);
     return norm(r, error, tolerance);
@@ -174,11 +136,11 @@ double rodas_attempt(Rodas *r, double h, double tolerance, const Held *held)
         if (stage < 6) {
             memcpy(r->step.v_new, r->step.v, sizeof r->step.v_new);
             for (int j = 0; j < stage; j++)
-                for (int i = 0; i < MODEL_NV; i++) r->step.v_new[i] += A[stage][j] * r->K[j][i];
+                for (int i = 0; i < MODEL_NV; i++) r->step.v_new[i] += RODAS_A[stage][j] * r->K[j][i];
         } else {
             for (int i = 0; i < MODEL_NV; i++) r->step.v_new[i] += r->K[stage - 1][i];
         }
-        model_rhs(r->step.t + ALPHA[stage] * h, r->step.v_new, held->u, held->p, held->d, held->c, f);
+        model_rhs(r->step.t + RODAS_ALPHA[stage] * h, r->step.v_new, held->u, held->p, held->d, held->c, f);
         solve_stage(r, stage, h, f);
     }
     for (int i = 0; i < MODEL_NV; i++) r->step.v_new[i] += r->K[RODAS_STAGES - 1][i];
@@ -187,7 +149,7 @@ double rodas_attempt(Rodas *r, double h, double tolerance, const Held *held)
     for (int i = 0; i < MODEL_NV; i++) {
         double sum[RODAS_DENSE] = {0};
         for (int j = 0; j < RODAS_STAGES; j++)
-            for (int k = 0; k < RODAS_DENSE; k++) sum[k] += DENSE[k][j] * r->K[j][i];
+            for (int k = 0; k < RODAS_DENSE; k++) sum[k] += RODAS_BEND[k][j] * r->K[j][i];
         for (int k = 0; k < RODAS_DENSE; k++) r->step.dense[k][i] = sum[k];
     }
     return fmax(error, defect(r, h, tolerance, held));
@@ -200,44 +162,4 @@ double rodas_first_step(const Rodas *r, double tolerance)
     for (int i = 0; i < MODEL_NX; i++) rate = fmax(rate, fabs(r->f[i]) / (fabs(r->step.v[i]) + model_nominal[i]));
     double h = 0.5 * pow(tolerance, 0.2) / rate;
     return fmax(isfinite(h) ? h : 1e-6, 1e-12 * fmax(1.0, fabs(r->step.t)));
-}
-
-/* Gustafsson's predictive controller with the limits of Hairer's code. */
-static const double SAFETY = 0.9, MOST_GROWTH = 6.0, MOST_SHRINKAGE = 0.2;
-
-static double limited(double factor)
-{
-    return fmin(MOST_GROWTH, fmax(MOST_SHRINKAGE, factor));
-}
-
-void control_accept(StepControl *control, double h, double error)
-{
-    double factor = limited(SAFETY * pow(error, -0.2));
-    if (h < control->h) {
-        /* Cut to end where it had to. If that was far too short for its error, it says nothing of the longer step. */
-        control->h = factor < MOST_GROWTH ? h * factor : fmax(control->h, h * factor);
-        control_restart(control);
-        return;
-    }
-    if (control->h_accepted > 0.0) {
-        double predicted = SAFETY * (h / control->h_accepted) * pow(control->error_accepted / (error * error), 0.2);
-        factor = fmin(factor, limited(predicted));
-    }
-    if (control->rejected) factor = fmin(factor, 1.0);
-    control->h = h * factor;
-    control->h_accepted = h;
-    control->error_accepted = fmax(1e-2, error);
-    control->rejected = 0;
-}
-
-void control_reject(StepControl *control, double h, double error)
-{
-    control->h = h * (isfinite(error) ? limited(SAFETY * pow(error, -0.2)) : MOST_SHRINKAGE);
-    control->rejected = 1;
-}
-
-void control_restart(StepControl *control)
-{
-    control->h_accepted = 0.0;
-    control->rejected = 0;
 }

@@ -7,8 +7,8 @@
 #define COSIM_RODAS_H
 
 #include "model.h"
-
-enum { RODAS_STAGES = 8, RODAS_DENSE = 3 };
+#include "rodas_table.h"
+#include "step_control.h"
 
 /* What does not change during a step. */
 typedef struct {
@@ -46,14 +46,6 @@ typedef struct {
     int worst; /* unknown with the largest share of the error, or without a pivot */
 } Rodas;
 
-/* The memory of the step size control. */
-typedef struct {
-    double h;              /* to be tried next, 0 = not known */
-    double h_accepted;     /* the last accepted step, 0 = none since the last discontinuity */
-    double error_accepted; /* and its error */
-    int rejected;          /* the last attempt was rejected */
-} StepControl;
-
 /* Evaluate f, its Jacobian and its time derivative at the beginning of a step. Returns 0 if the algebraic equations are
  * singular there. */
 int rodas_begin(Rodas *r, double t, const double *v, const Held *held);
@@ -66,12 +58,5 @@ void rodas_dense(const RodasStep *step, double theta, double *v);
 
 /* A careful first step from where rodas_begin was called. */
 double rodas_first_step(const Rodas *r, double tolerance);
-
-/* Learn from an attempt with the step h, which is control->h unless it had to be cut. */
-void control_accept(StepControl *control, double h, double error);
-void control_reject(StepControl *control, double h, double error);
-
-/* Forget what was learnt about the solution's smoothness. */
-void control_restart(StepControl *control);
 
 #endif
