@@ -117,7 +117,7 @@ def test_the_c_compiles_without_warnings(tmp_path: Path) -> None:
     warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wstrict-prototypes", "-Werror"]
     sources = map(str, _compilation.units())
     done = subprocess.run(
-        [gcc, *_compilation.FLAGS, *warnings, "-o", str(tmp_path / "x.so"), *sources, "-lm"],
+        [gcc, *_compilation.FLAGS, *_compilation.includes(), *warnings, "-o", str(tmp_path / "x.so"), *sources, "-lm"],
         check=False,
         capture_output=True,
         text=True,
@@ -224,7 +224,9 @@ def test_the_suite_is_clean_under_sanitizers(tmp_path: Path) -> None:
     library.parent.mkdir(parents=True)
     sources = map(str, _compilation.units())
     sanitize = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
-    subprocess.run([gcc, *_compilation.FLAGS, *sanitize, "-o", str(library), *sources, "-lm"], check=True)
+    subprocess.run(
+        [gcc, *_compilation.FLAGS, *_compilation.includes(), *sanitize, "-o", str(library), *sources, "-lm"], check=True
+    )
     environment = {
         **os.environ,
         "LD_PRELOAD": asan,
@@ -233,7 +235,8 @@ def test_the_suite_is_clean_under_sanitizers(tmp_path: Path) -> None:
     }
     suite = [str(Path(__file__).parent / f"test_{name}.py") for name in ("engine_errors", "engine_instants", "jacobi")]
     suite += [
-        str(Path(__file__).parent / f"test_{name}.py") for name in ("types", "arrays", "texts", "binaries", "equality")
+        str(Path(__file__).parent / f"test_{name}.py")
+        for name in ("types", "arrays", "texts", "binaries", "equality", "exchange")
     ]
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *suite],

@@ -32,13 +32,6 @@ def run(
         typer.Option("--params", metavar="FILE", help="Parameters that cosim calibrate has written. Repeatable."),
     ] = None,
     plots: Plots = True,
-    coupling_error: Annotated[
-        bool,
-        typer.Option(
-            "--coupling-error/--no-coupling-error",
-            help="Where continuous signals are exchanged, estimate the error of that by a second run.",
-        ),
-    ] = True,
     isolate: Annotated[
         str,
         typer.Option(
@@ -74,7 +67,7 @@ def run(
         options = Options.of(settings, parameters)
         if timing:
             raise typer.Exit(explain_files(files, options, screen, isolated))
-        raise typer.Exit(run_files(files, out, options, screen, isolated, plots=plots, coupling_error=coupling_error))
+        raise typer.Exit(run_files(files, out, options, screen, isolated, plots=plots))
 
 
 def export_ssp(

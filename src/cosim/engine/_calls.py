@@ -25,6 +25,8 @@ CALLS = (
     *("NewDiscreteStates", "InitializeSlave"),
     *(f"{verb}FMU{letter}tate" for verb in ("Get", "Set", "Free") for letter in "sS"),
     *("GetDirectionalDerivative",),
+    *("SerializedFMUstateSize", "SerializeFMUstate", "DeSerializeFMUstate"),
+    *("SerializedFMUStateSize", "SerializeFMUState", "DeserializeFMUState"),
     *("Instantiate", "SetDebugLogging", "GetBooleanStatus", "Terminate", "FreeInstance"),
     *(LOADING, UNLOADING),
 )

@@ -47,16 +47,12 @@ class Cvode:
         self,
         n: int,
         n_roots: int,
-        rates: Function | int,
-        roots: Function | int,
+        rates: Function,
+        roots: Function,
         tolerance: float,
         max_step: float,
-        user_data: int = 0,
     ) -> None:
-        """Allocate; ``tolerance`` is relative, ``max_step`` in s. Raises FmuError where fmpy has no CVode.
-
-        Both functions may be given by their addresses, as CVode takes them; they are called with ``user_data``.
-        """
+        """Allocate; ``tolerance`` is relative, ``max_step`` in s. Raises FmuError where fmpy has no CVode."""
         s = _sundials()
         self._library = s
         self._tolerance = max(_SHARE * tolerance, LEAST_TOLERANCE)
@@ -72,12 +68,8 @@ class Cvode:
         self._linear = s.SUNLinSol_Dense(self._y, self._matrix, self._context)
         self._memory: int | None = None
         data = s.N_VGetArrayPointer
-        self._user_data = user_data
-        if isinstance(rates, int) or isinstance(roots, int):
-            self._rates, self._roots = s.CVRhsFn(rates), s.CVRootFn(roots)
-        else:
-            self._rates = s.CVRhsFn(lambda t, y, dy, _: rates(t, data(y), data(dy)))
-            self._roots = s.CVRootFn(lambda t, y, g, _: roots(t, data(y), cast(g, c_void_p).value or 0))
+        self._rates = s.CVRhsFn(lambda t, y, dy, _: rates(t, data(y), data(dy)))
+        self._roots = s.CVRootFn(lambda t, y, g, _: roots(t, data(y), cast(g, c_void_p).value or 0))
         self._time = c_double()
         self.states: int = data(self._y)
 
@@ -97,7 +89,6 @@ class Cvode:
             s.CVodeInit(self._memory, self._rates, t, self._y)
             s.CVodeRootInit(self._memory, self.n_roots, self._roots)
             s.CVodeSetLinearSolver(self._memory, self._linear, self._matrix)
-            s.CVodeSetUserData(self._memory, self._user_data)
             s.CVodeSetNoInactiveRootWarn(self._memory)
             s.CVodeSetMaxStep(self._memory, self._max_step)
         else:
@@ -123,11 +114,6 @@ class Cvode:
             raise CvodeError(self._name(flag))
         return int(s.N_VGetArrayPointer(self._dense))
 
-    @staticmethod
-    def array_pointer() -> int:
-        """Return the address of the function that gives CVode's vectors as arrays."""
-        return cast(_sundials().N_VGetArrayPointer, c_void_p).value or 0
-
     def _name(self, flag: int) -> str:
         name: bytes = self._library.CVodeGetReturnFlagName(flag)
         return name.decode()
@@ -152,14 +138,13 @@ def _sundials() -> SimpleNamespace:
         from fmpy.sundials.libraries import sundials_core, sundials_cvode
     except OSError as error:
         raise FmuError(
-            "is for Model Exchange only, which needs the solver CVode; fmpy has none for this computer; "
-            "export the model for Co-Simulation"
+            "is for Model Exchange only, which needs the native library of the engine, or the solver CVode, which fmpy "
+            "has not for this computer; install a C compiler: pip install 'wiper-cosim[build]'"
         ) from error
     names = SimpleNamespace(**vars(sundials))
     vector, context = sundials.N_Vector, sundials.SUNContext
     for library, name, result, arguments in (
         (sundials_cvode, "CVodeGetDky", c_int, (c_void_p, c_double, c_int, vector)),
-        (sundials_cvode, "CVodeSetUserData", c_int, (c_void_p, c_void_p)),
         (sundials_cvode, "CVodeSetStopTime", c_int, (c_void_p, c_double)),
         (sundials_cvode, "CVodeGetReturnFlagName", c_char_p, (c_int,)),
         (sundials_core, "N_VGetArrayPointer", c_void_p, (vector,)),

@@ -6,14 +6,23 @@ from ctypes import addressof, byref, c_bool, c_int, c_void_p
 
 from fmpy.fmi2 import fmi2EventInfo
 
-from cosim.engine._exchange import ExchangeInstance
+from cosim.engine._exchange import ExchangeInstance, Stepper
+from cosim.engine._exchange_native import NativeStepper
+from cosim.engine._exchange_python import PythonStepper
 from cosim.engine._instance import Fmi2Instance, Fmi3Instance
+from cosim.engine._library import native_library
+
+
+def _stepper(instance: ExchangeInstance) -> Stepper:
+    library = native_library()
+    return PythonStepper(instance) if library is None else NativeStepper(instance, library)
 
 
 class Fmi2Exchange(ExchangeInstance, Fmi2Instance):
     """Model Exchange in FMI 2.0."""
 
     _enter_initialization = Fmi2Instance.enter_initialization
+    _make_stepper = _stepper
     names = ("GetDerivatives", "NewDiscreteStates")
 
     def _instantiate(self, event_mode: bool, logging: bool) -> None:
@@ -21,14 +30,16 @@ class Fmi2Exchange(ExchangeInstance, Fmi2Instance):
 
     def _bind_own(self) -> None:
         self._info = fmi2EventInfo()
-        self._step_events = (c_int(), c_int())
-        self._new_states = self._bind("fmi2NewDiscreteStates", byref(self._info))
-        self._complete = self._bind("fmi2CompletedIntegratorStep", c_int(1), *map(byref, self._step_events))
+        self.step_events = (c_int(), c_int())
+        self._new_states = self.bind("NewDiscreteStates", byref(self._info))
+        self.complete = self.bind("CompletedIntegratorStep", c_int(1), *map(byref, self.step_events))
 
-    def _measure(self) -> tuple[int, int]:
+    def measure(self) -> tuple[int, int]:
+        """Return what the model description says."""
         return self.fmu.n_states_and_indicators
 
-    def _update_discrete_states(self) -> int:
+    def update_discrete_states(self) -> int:
+        """Call fmi2NewDiscreteStates."""
         status = self._new_states()
         info = self._info
         flags = (
@@ -47,6 +58,7 @@ class Fmi3Exchange(ExchangeInstance, Fmi3Instance):
     """Model Exchange in FMI 3.0."""
 
     _enter_initialization = Fmi3Instance.enter_initialization
+    _make_stepper = _stepper
     names = ("GetContinuousStateDerivatives", "UpdateDiscreteStates")
 
     def _instantiate(self, event_mode: bool, logging: bool) -> None:
@@ -57,14 +69,16 @@ class Fmi3Exchange(ExchangeInstance, Fmi3Instance):
         )
 
     def _bind_own(self) -> None:
-        self._step_events = (c_bool(), c_bool())
+        self.step_events = (c_bool(), c_bool())
         updates = [c_void_p(addressof(self.update_flags) + byte) for byte in range(5)]
         next_event = c_void_p(addressof(self.next_event))
-        self._new_states = self._bind("fmi3UpdateDiscreteStates", *updates, next_event)
-        self._complete = self._bind("fmi3CompletedIntegratorStep", c_bool(True), *map(byref, self._step_events))
+        self._new_states = self.bind("UpdateDiscreteStates", *updates, next_event)
+        self.complete = self.bind("CompletedIntegratorStep", c_bool(True), *map(byref, self.step_events))
 
-    def _update_discrete_states(self) -> int:
-        return self._new_states()
-
-    def _measure(self) -> tuple[int, int]:
+    def measure(self) -> tuple[int, int]:
+        """Ask the FMU."""
         return self._slave.getNumberOfContinuousStates(), self._slave.getNumberOfEventIndicators()
+
+    def update_discrete_states(self) -> int:
+        """Call fmi3UpdateDiscreteStates."""
+        return self._new_states()

@@ -25,6 +25,7 @@ from fmpy.model_description import InterfaceType, ModelDescription, Unknown
 from cosim.archive import Archive
 from cosim.engine._binary import load
 from cosim.engine._fmi1 import facts_of
+from cosim.engine._states import States, states_of
 from cosim.engine._variable import Variable, left_out, names_of, opaque_of, variables_of
 from cosim.errors import FmuError, FmuWarning
 from cosim.foreign import RUN_CHECK, read_description
@@ -92,6 +93,8 @@ class Fmu:
     """Length [s] of the steps that it takes if it takes steps of one length only, where it says so."""
     n_states_and_indicators: tuple[int, int]
     """Model Exchange in FMI 2.0."""
+    states: States
+    """Model Exchange."""
     capabilities: dict[str, object]
     fmi_types: dict[str, str]
     left_out: dict[str, str]
@@ -122,6 +125,7 @@ class Fmu:
         self.has_event_mode = exchange or bool(element.hasEventMode)
         self.needs_completed_step = exchange and bool(element.needsCompletedIntegratorStep)
         self.n_states_and_indicators = (len(description.derivatives), description.numberOfEventIndicators or 0)
+        self.states = states_of(description) if exchange else States()
         self.capabilities = {key: getattr(element, key, None) for key in _CAPABILITIES}
         if self.fmi_version == "3.0":
             self.capabilities["providesDirectionalDerivative"] = _provides_derivatives(xml, interface)

@@ -60,7 +60,6 @@ class Instance(ABC):
 
     ``do_step`` steps from ``t`` over ``h`` [s] and leaves ``flags``; ``update`` leaves ``update_flags`` and
     ``next_event`` [s]. All are bound once, since a call through fmpy costs ten times as much as the bare one.
-    ``counts`` is what the solver that the engine gives a Model Exchange FMU has done.
     """
 
     type_codes: ClassVar[dict[str, str]]
@@ -88,7 +87,6 @@ class Instance(ABC):
         self.flags = c_uint32()
         self.update_flags = c_uint64()
         self.next_event = c_double()
-        self.counts: dict[str, int] = {}
         self._fatal = False
         self.site.enter(LOADING)
         self._slave = copy.copy(fmu.slave())
@@ -174,6 +172,11 @@ class Instance(ABC):
     def pointer(self, function: str) -> int:
         """Return the address of a function of the FMU's library."""
         return cast(self._slave.dll[self.symbol(function)], c_void_p).value or 0
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """What the solver that the engine gives a Model Exchange FMU has done."""
+        return {}
 
     @property
     def component(self) -> int:

@@ -11,9 +11,8 @@ from math import inf, isfinite
 from typing import NamedTuple
 
 from cosim.engine._cvode import Cvode, CvodeError, Step
-from cosim.engine._evaluation import Evaluation
-from cosim.engine._instance import CallError, Instance
-from cosim.engine._library import native_library
+from cosim.engine._exchange import ExchangeInstance
+from cosim.engine._instance import CallError
 from cosim.engine._log import FAILED, STATUS
 from cosim.engine._system import SAME_INSTANT
 
@@ -35,17 +34,14 @@ class Functions(NamedTuple):
 class Integration:
     """The solver of one instance, which calls ``functions``; ``now`` is where the FMU is [s].
 
-    ``names`` are those of what CVode calls: of the functions that set time and states and give rates and indicators,
-    and ``pointers`` their addresses. ``sizes`` are the numbers of states and indicators. It counts in the instance's
-    ``counts``.
+    ``sizes`` are the numbers of states and indicators. It counts in ``counts``.
     """
 
     def __init__(
         self,
-        instance: Instance,
+        instance: ExchangeInstance,
+        counts: dict[str, int],
         functions: Functions,
-        names: tuple[str, str, str, str],
-        pointers: list[int],
         sizes: tuple[int, int],
         tolerance: float,
         stop: float | None,
@@ -54,28 +50,21 @@ class Integration:
         self.now = 0.0
         self._instance = instance
         self._functions = functions
-        self._names = names
+        self._counts = counts
         self.n_states, self.n_indicators = sizes
         self._solver: Cvode | None = None
-        self._evaluation: Evaluation | None = None
         self._failed: tuple[str, int] | None = None  # function and status that have stopped the solver
         size = max(self.n_states, 1)
         self._states, self._nominals = (c_double * size)(*[1.0] * size), (c_double * size)(*[1.0] * size)
         if not any(sizes):
             return
-        library = native_library()
-        native = (
-            None if library is None else Evaluation(library, instance.component, names, pointers, sizes, instance.site)
-        )
-        self._evaluation = native
         self._solver = Cvode(
             size,
             self.n_indicators,
-            native.rates if native else self._rates,
-            native.indicators if native else self._indicators,
+            self._rates,
+            self._indicators,
             tolerance,
             inf if stop is None else stop / _LEAST_STEPS,
-            native.data if native else 0,
         )
 
     def start(self, limit: float) -> None:
@@ -98,17 +87,14 @@ class Integration:
         try:
             step = self._solver.step(limit if isfinite(limit) else t + 1.0)
         except CvodeError as error:
-            failed = self._evaluation.failure if self._evaluation else self._failed
-            if failed is not None:
-                self._call(*failed)
+            if self._failed is not None:
+                self._call(*self._failed)
             raise CallError(
                 self._instance,
                 f"CVode cannot go on from {t:.9g} s: {error}",
                 "check its parameters and its inputs at that time, or try another tolerance",
             ) from error
-        self._instance.counts["steps"] += 1
-        if self._evaluation:
-            self._instance.counts["rhs_evaluations"] = self._evaluation.evaluations
+        self._counts["steps"] += 1
         return step
 
     def put_to_end(self, t: float) -> None:
@@ -134,7 +120,7 @@ class Integration:
             self._call("SetContinuousStates", status)
 
     def _rates(self, t: float, states: int, rates: int) -> int:
-        self._instance.counts["rhs_evaluations"] += 1
+        self._counts["rhs_evaluations"] += 1
         status = self._functions.set_time(c_double(t))
         if not self.n_states:
             c_double.from_address(rates).value = 0.0
@@ -143,7 +129,7 @@ class Integration:
         status = max(status, self._functions.set_states(c_void_p(states), n))
         if status < FAILED:
             status = self._functions.get_rates(c_void_p(rates), n)
-        return self._outcome(self._names[2], status)
+        return self._outcome(self._instance.names[0], status)
 
     def _indicators(self, t: float, states: int, indicators: int) -> int:
         status = self._functions.set_time(c_double(t))
@@ -163,4 +149,4 @@ class Integration:
         return -1
 
     def _call(self, function: str, status: int) -> None:
-        Instance.check(self._instance, function, status)
+        self._instance.check_call(function, status)

@@ -22,14 +22,19 @@ OFTEN void enter(Engine *engine, const Component *component, CalledFunction func
 }
 
 #include "texts.c"
-#include "channels.c"
-#include "wires.c"
-#include "signal_faults.c"
 #include "access.c"
 #include "component.c"
+#include "channels.c"
 #include "record.c"
 #include "loop.c"
 #if !WATCHED
+#include "exchange_calls.c"
+#include "exchange_rodas.c"
+#include "exchange_roots.c"
+#include "exchange_steps.c"
 #include "exchange.c"
+#include "exchange_access.c"
+#include "exchange_state.c"
+#include "step_control.c"
 #include "faults.c"
 #endif
