@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from cosim.cli._builtin import locate
+from cosim.cli._coupling import show_coupling
 from cosim.cli._isolation import Isolation
 from cosim.cli._screen import INTERRUPTED, Screen
 from cosim.engine import Result, System, explain_timing, simulate
@@ -81,6 +82,7 @@ def run_files(
     isolation: Isolation,
     *,
     plots: bool,
+    coupling_error: bool = True,
 ) -> int:
     """Run scenarios and write their results into ``out``; return the worst exit code.
 
@@ -91,7 +93,7 @@ def run_files(
     for file in files:
         outcome = Outcome(str(file))
         outcomes.append(outcome)
-        _run(outcome, file, out / file.stem, options, screen, isolation, plots=plots)
+        _run(outcome, file, out / file.stem, options, screen, isolation, plots=plots, coupling_error=coupling_error)
         if outcome.message is not None:
             screen.error(outcome.message)
         if outcome.exit_code == INTERRUPTED:
@@ -125,21 +127,25 @@ def _run(
     isolation: Isolation,
     *,
     plots: bool,
+    coupling_error: bool,
 ) -> None:
     try:
         scenario = options.read(file)
         system = _assemble(scenario, outcome, screen)
         clear(folder)
-        result = _simulate(scenario, system, outcome, screen, isolation)
+        result = _simulate(scenario, system, outcome, screen, isolation, coupling_error)
         if result is None:
             return
         outcome.folder = str(folder)
         asked = Run(scenario.stop, scenario.output_interval, scenario.tolerance, scenario.title, file.name)
         outcome.summary = write(result, system, asked, folder, plots=plots)
-        if outcome.message is not None:
+        if outcome.message is not None and result.complete:
+            outcome.message += f"; its results are in {folder}"
+        elif outcome.message is not None:
             outcome.message += f"; what was computed before is in {folder}, marked incomplete"
         else:
             screen.say(_account(file, outcome.summary, folder))
+            show_coupling(outcome.summary, screen)
     except CosimError as error:
         outcome.exit_code, outcome.message = error.exit_code, str(error)
     except OSError as error:
@@ -162,7 +168,7 @@ def _assemble(scenario: Scenario, outcome: Outcome, screen: Screen) -> System:
 
 
 def _simulate(
-    scenario: Scenario, system: System, outcome: Outcome, screen: Screen, isolation: Isolation
+    scenario: Scenario, system: System, outcome: Outcome, screen: Screen, isolation: Isolation, coupling_error: bool
 ) -> Result | None:
     """Simulate; a run that ends early leaves its message in ``outcome`` and gives what it had, None if nothing."""
     try:
@@ -180,6 +186,7 @@ def _simulate(
                 isolate=isolation.isolate,
                 call_timeout=isolation.call_timeout,
                 memory_limit=isolation.memory_limit,
+                coupling_error=coupling_error,
             )
     except (SimulationError, KeyboardInterrupt) as error:
         interrupted = isinstance(error, KeyboardInterrupt)

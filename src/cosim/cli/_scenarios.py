@@ -32,6 +32,13 @@ def run(
         typer.Option("--params", metavar="FILE", help="Parameters that cosim calibrate has written. Repeatable."),
     ] = None,
     plots: Plots = True,
+    coupling_error: Annotated[
+        bool,
+        typer.Option(
+            "--coupling-error/--no-coupling-error",
+            help="Where continuous signals are exchanged, estimate the error of that by a second run.",
+        ),
+    ] = True,
     isolate: Annotated[
         str,
         typer.Option(
@@ -67,7 +74,7 @@ def run(
         options = Options.of(settings, parameters)
         if timing:
             raise typer.Exit(explain_files(files, options, screen, isolated))
-        raise typer.Exit(run_files(files, out, options, screen, isolated, plots=plots))
+        raise typer.Exit(run_files(files, out, options, screen, isolated, plots=plots, coupling_error=coupling_error))
 
 
 def export_ssp(

@@ -1,7 +1,10 @@
 """Co-simulation of FMUs: sampled components act at their own instants, without delay; the others run in between."""
 
 from cosim.engine._arguments import LEAST_TOLERANCE, Algorithm
+from cosim.engine._coupling_error import EXACT
 from cosim.engine._explain import explain_timing
+from cosim.engine._fault import KINDS as FAULT_KINDS
+from cosim.engine._fault import Fault, FaultKind
 from cosim.engine._fmu import Fmu, Interface
 from cosim.engine._isolation import Isolate
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
@@ -11,11 +14,15 @@ from cosim.engine._system import Channel, Component, Connection, System
 from cosim.engine._variable import Value, Variable
 
 __all__ = [
+    "EXACT",
+    "FAULT_KINDS",
     "LEAST_TOLERANCE",
     "Algorithm",
     "Channel",
     "Component",
     "Connection",
+    "Fault",
+    "FaultKind",
     "Fmu",
     "Interface",
     "Isolate",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 
 from cosim.engine._system import SAME_INSTANT, Channel
@@ -36,6 +36,15 @@ class Line:
         t0, t1 = self.times[last], self.times[last + 1]
         y0, y1 = self.values[last], self.values[last + 1]
         return y0 + (y1 - y0) * max(0.0, t - t0) / (t1 - t0)
+
+    def before(self, t: float) -> float:
+        """Return the value at t [s], before a step at t."""
+        first = bisect_left(self.times, t - SAME_INSTANT)
+        if first == 0 and t > SAME_INSTANT:
+            return self.start
+        if first < len(self.times) and self.times[first] <= t + SAME_INSTANT:
+            return self.values[first]
+        return self.at(t)
 
 
 class Schedule:

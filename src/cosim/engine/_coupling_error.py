@@ -22,6 +22,8 @@ from cosim.engine._role import Role, fixed_step_of, has_period
 from cosim.engine._system import Connection, System, dotted
 
 EXACT = "none: sampled"
+"""The note on a connection over which a discrete component acts, or is acted upon: at its instants, without error."""
+
 _NO_RUN = "not estimated"
 
 Rows = NDArray[np.float64]
@@ -87,7 +89,8 @@ class Companion:
                 signal = coarse.rows[:, slot]
                 error = factor * float(np.max(np.abs(signal - fine.rows[:, slot])))
                 span = float(np.ptp(signal))
-                columns[name] = Deviation(error, variable.unit, error / span if span > 0.0 else None)
+                if math.isfinite(error) and math.isfinite(span):
+                    columns[name] = Deviation(error, variable.unit, error / span if span > 0.0 else None)
         return Estimate(order, columns)
 
     def account(self, layout: Layout, estimate: Estimate) -> list[dict[str, object]]:
@@ -111,6 +114,7 @@ def _entry(
     source = dotted(connection.source)
     found = None if note else estimate.columns.get(source)
     affected = {} if note else _worst(connection.target[0], layout, estimate)
+    note = note or estimate.note or ("" if found else f"{_NO_RUN}: it grows beyond all bounds")
     return {
         "source": source,
         "target": dotted(connection.target),
@@ -120,7 +124,7 @@ def _entry(
         "relative": found.relative if found else None,
         "order": estimate.order if found else None,
         "target_outputs": affected,
-        "note": note or estimate.note,
+        "note": note,
     }
 
 

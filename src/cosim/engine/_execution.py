@@ -72,7 +72,7 @@ def instantiated(job: Job, sites: Sequence[Site]) -> Iterator[Plan]:
             for component, site in zip(system.components, sites, strict=True):
                 event_mode = roles[component.name] is Role.EVENT
                 instances[component.name] = instantiate(component.name, component.fmu, event_mode, site)
-            yield make_plan(system, roles, instances, job.output_interval)
+            yield make_plan(system, roles, instances, job.output_interval, job.stop)
         finally:
             for instance in instances.values():
                 instance.free()

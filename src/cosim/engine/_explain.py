@@ -10,6 +10,8 @@ from itertools import pairwise
 from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_steps, check_step
 from cosim.engine._calls import Site
 from cosim.engine._execution import Ending, Job
+from cosim.engine._fault import described
+from cosim.engine._fault_signals import resolved_faults
 from cosim.engine._initialize import initialize
 from cosim.engine._instance import CallError
 from cosim.engine._instances import instantiate
@@ -88,11 +90,18 @@ def _explain(job: Job, record: Record, sites: Sequence[Site]) -> str:
             component = system.components[number]
             period = step or period_of(component, output_interval)
             lines.append(f"  {'':{width}}  {probe(component, period, sites[number])}")
+    faulty = {fault.target for fault in system.faults}
     for title, ends in (("Connections", _connections(system)), ("Channels", _channels(system))):
         if ends:
             lines += ["", f"{title}:"]
         for target, text in ends.items():
-            lines += [f"  {text}", *_travels(trace.travels.get(_input(plan, target), []), text.startswith("channel"))]
+            lines.append(f"  {text}")
+            if target in faulty:
+                lines.append("    what arrives, and when, is up to its faults")
+            else:
+                lines += _travels(trace.travels.get(_input(plan, target), []), text.startswith("channel"))
+    if system.faults:
+        lines += ["", "Faults, in the order in which they act:", *(f"  {text}" for text in _faults(job))]
     return "\n".join(lines) + "\n"
 
 
@@ -109,7 +118,9 @@ def _traced(job: Job, trace: Trace, record: Record, sites: Sequence[Site]) -> Pl
             instance = instantiate(component.name, component.fmu, roles[component.name] is Role.EVENT, site)
             stack.callback(instance.free)
             instances[component.name] = instance
-        plan = make_plan(system, roles, instances, job.output_interval, partial(TracedParticipant, trace=trace))
+        plan = make_plan(
+            system, roles, instances, job.output_interval, job.stop, partial(TracedParticipant, trace=trace)
+        )
         trace.begin(plan, {channel.target: channel.times for channel in system.channels})
         try:
             for name, instance in instances.items():
@@ -180,6 +191,12 @@ def _channels(system: System) -> dict[tuple[str, str], str]:
         f"{_instants(channel.times)}"
         for channel in system.channels
     }
+
+
+def _faults(job: Job) -> list[str]:
+    faults = resolved_faults(job.system, job.stop, job.output_interval)
+    units = {(c.name, v.name): v.unit for c in job.system.components for v in c.fmu.variables.values()}
+    return [f"{dotted(fault.target)} {described(fault, units[fault.target])}" for fault in faults]
 
 
 def _input(plan: Plan, target: tuple[str, str]) -> int:

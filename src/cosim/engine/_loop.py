@@ -37,7 +37,9 @@ def run(plan: Plan, record: Record, progress: Callable[[float], None] | None, pa
     shown = 0.0
     now = 0.0
     record.exchanges = 1
+    plan.faults.arrive(now)
     exchange(plan, now, recording=True)
+    plan.faults.settle(now)
     while True:
         if now >= grid[record.count] - SAME_INSTANT:
             for participant in discrete:
@@ -50,7 +52,8 @@ def run(plan: Plan, record: Record, progress: Callable[[float], None] | None, pa
                 break
         row = grid[record.count]
         due = min([p.due for p in timed], default=inf)
-        instant = due if due <= schedule.next + SAME_INSTANT else schedule.next
+        change = min(schedule.next, plan.faults.clock.next)
+        instant = due if due <= change + SAME_INSTANT else change
         exchanging = instant <= row + SAME_INSTANT
         t = min(instant if exchanging else row, stop)
         recording = t >= row - SAME_INSTANT
@@ -65,10 +68,12 @@ def run(plan: Plan, record: Record, progress: Callable[[float], None] | None, pa
                 participant.carry(t)
                 exchanging = exchanging or participant.due == t
         record.now = now = t
+        plan.faults.arrive(t)
         if exchanging:
             if isnan(sum(values)):
                 check_numbers(plan)
             exchange(plan, t, recording)
+        plan.faults.settle(t)
         record.exchanges += exchanging or plan.coupled
         if progress is not None and (clock := time.perf_counter()) - shown >= PROGRESS_INTERVAL:
             shown = clock
@@ -84,7 +89,9 @@ def run_jacobi(plan: Plan, record: Record, step: float, progress: Callable[[floa
     shown = 0.0
     macro_steps = 0
     record.exchanges = 1
+    plan.faults.arrive(0.0)
     plan.schedule.apply(0.0, values)
+    plan.faults.settle(0.0)
     while True:
         if record.now >= grid[record.count] - SAME_INSTANT:
             record.put(values)
@@ -95,6 +102,7 @@ def run_jacobi(plan: Plan, record: Record, step: float, progress: Callable[[floa
         t = macro_steps * step
         for line in plan.lines:
             values[line.middle] = line.at(now + 0.5 * step)
+        plan.faults.begin_step(now, 0.0)
         for participant in plan.continuous:
             participant.write()
         for participant in plan.continuous:
@@ -104,7 +112,9 @@ def run_jacobi(plan: Plan, record: Record, step: float, progress: Callable[[floa
             participant.read(recording)
         for line in plan.lines:
             values[line.slot] = line.at(t)
+        plan.faults.arrive(t)
         plan.schedule.apply(t, values)
+        plan.faults.settle(t)
         record.now = t
         record.exchanges += 1
         if isnan(sum(values)):
@@ -129,6 +139,7 @@ def advance(plan: Plan, now: float, t: float, recording: bool) -> None:
         participant.begin_fixed_step(now)
     for line in plan.lines:
         values[line.middle] = line.at(now + 0.5 * h)
+    plan.faults.begin_step(now, h)
     for participant in plan.continuous:
         if participant in fixed:
             participant.end_fixed_step(t)

@@ -55,6 +55,7 @@ def run_native(
             while outcome == _UNFINISHED:
                 outcome = go_on(byref(engine), limit)
                 interrupt.check()
+                tables.make_room()
                 if progress is not None and outcome == _UNFINISHED:
                     progress(engine.at.now)
                     limit = PROGRESS_INTERVAL

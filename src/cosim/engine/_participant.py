@@ -22,7 +22,9 @@ from cosim.engine._instance import (
 )
 from cosim.engine._log import FAILED
 from cosim.engine._role import Role
+from cosim.engine._signal_faults import FaultyInput, SignalFaults
 from cosim.engine._system import SAME_INSTANT
+from cosim.engine._wire import Wire
 
 MOST_UPDATES = 100
 
@@ -54,16 +56,6 @@ class Binaries:
 
 Buffer: TypeAlias = "array[Any] | Array[c_char_p] | Binaries | None"
 """Memory of an FMI call that does not use the doubles of the signals themselves: numbers, texts or Binary."""
-
-
-class Wire(NamedTuple):
-    """``inputs[target] = factor * values[source] + offset``, or what ``table`` has in the place of that."""
-
-    target: int
-    source: int
-    factor: float
-    offset: float
-    table: tuple[tuple[float, float], ...] = ()
 
 
 class InputGroup(NamedTuple):
@@ -101,7 +93,8 @@ class Participant:
     count doStep calls and instants with an event. ``triggers`` are the wires from discrete sources: a change of one
     is an event for a component with event mode, even between its own events. ``stale`` tells that outputs which are
     only recorded have not been read since the component was computed. The signal of a text or a Binary counts how often
-    it has changed; ``texts``, which all participants share, has the bytes themselves.
+    it has changed; ``texts``, which all participants share, has the bytes themselves. ``faulty`` are its inputs with
+    faults, which ``faults`` computes.
     """
 
     instance: Instance
@@ -120,6 +113,8 @@ class Participant:
     due: float = field(init=False)
     in_event_mode: bool = field(init=False)
     stale: bool = False
+    faulty: Sequence[FaultyInput] = ()
+    faults: SignalFaults | None = None
 
     def __post_init__(self) -> None:
         """A discrete component is due at t = 0, a fixed step at its end; FMI 3.0 initialises into Event Mode."""
@@ -128,6 +123,8 @@ class Participant:
 
     def write(self, force: bool = False) -> None:
         """Set the inputs that changed, or all driven ones."""
+        if self.faults is not None:
+            self.faults.refresh(self.faulty)
         values, inputs = self.values, self.inputs
         for _, access, start, buffer, wires, _ in self.input_groups:
             changed = force
@@ -239,6 +236,8 @@ class Participant:
 
     def triggered(self) -> bool:
         """Tell whether a discrete source of an input has changed."""
+        if self.faults is not None:
+            self.faults.refresh(self.faulty)
         values, inputs = self.values, self.inputs
         for target, source, factor, offset, table in self.triggers:
             value = values[source] * factor + offset

@@ -1,8 +1,8 @@
 """The flat tables that the loop runs over: one vector of signals, one of inputs, and groups of variables in them.
 
-Signals (``values``), in this order: the outputs of all components, the channels, the middles of linear channels, a
-zero, from which the elements of arrays that nothing drives take their start values, and the texts and Binary variables
-that drive something.
+Signals (``values``), in this order: the outputs of all components, the channels, what inputs with faults get, the
+middles of linear channels, a zero, from which the elements of arrays that nothing drives take their start values, and
+the texts and Binary variables that drive something.
 The first ``recorded`` of them are the columns of the result. Each group of Float64 variables lies in one piece, so
 that the FMU reads and writes the doubles of these vectors themselves; other types go through a buffer. In a group of
 outputs those that drive something come first, so that between the rows of the result only they are read.
@@ -18,12 +18,15 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from cosim.engine._channels import Line, Schedule, first_value
+from cosim.engine._fault_signals import Source, faulty_inputs
 from cosim.engine._instance import Instance
 from cosim.engine._order import continuous_order, discrete_order
-from cosim.engine._participant import Binaries, Buffer, InputGroup, OutputGroup, Participant, Wire
+from cosim.engine._participant import Binaries, Buffer, InputGroup, OutputGroup, Participant
 from cosim.engine._role import Role, fixed_step_of, period_of, role_of
+from cosim.engine._signal_faults import SignalFaults
 from cosim.engine._system import Channel, Component, System, dotted
 from cosim.engine._variable import OPAQUE, Variable
+from cosim.engine._wire import Wire
 
 
 @dataclass
@@ -46,6 +49,7 @@ class Plan:
     continuous: list[Participant]
     schedule: Schedule
     lines: list[Line]
+    faults: SignalFaults
     coupled: bool
     first_text: int
     texts: dict[int, bytes]
@@ -61,16 +65,23 @@ def make_plan(
     roles: dict[str, Role],
     instances: dict[str, Instance],
     output_interval: float,
+    stop: float,
     kind: Callable[..., Participant] = Participant,
 ) -> Plan:
-    """Lay out the signals of a checked system and bind the calls of its instances; ``kind`` makes the participants."""
-    signals, columns, recorded, total, variables = lay_out(system)
+    """Lay out the signals of a checked system and bind the calls of its instances; ``kind`` makes the participants.
+
+    Faults have what they need for a run to ``stop`` [s].
+    """
+    signals, columns, recorded, total, variables, faulty_slots = lay_out(system)
     texts = _text_signals(system, total + 1)
     values = array("d", bytes(8 * (total + 1 + len(texts))))
     holds, lines = _channel_signals(system, signals, values, total)
-    ends = list(signals)
+    ends = [*signals, *faulty_slots]
     signals |= texts
     wires = _sources(system, signals, roles, lines)
+    faulty = faulty_inputs(system, stop, output_interval, wires, signals, faulty_slots, roles, lines, zero=total)
+    wires |= {target: (one.slot, 1.0, 0.0, ()) for target, one in faulty.items()}
+    faults = SignalFaults(list(faulty.values()), values)
     for component in system.components:
         wires |= _idle_elements(component, wires, zero=total)
     inputs = array("d", bytes(8 * len(wires)))
@@ -90,9 +101,12 @@ def make_plan(
             inputs,
             groups,
             _output_groups(component, instance, signals, taken, values),
-            _triggers(system, groups, signals, roles) if roles[component.name] is Role.EVENT else (),
+            _triggers(system, groups, signals, roles, faults) if roles[component.name] is Role.EVENT else (),
             present,
         )
+        own = [one for (name, _), one in faulty.items() if name == component.name]
+        if own:
+            participants[component.name].faulty, participants[component.name].faults = own, faults
     continuous = [c for c in system.components if roles[c.name] is Role.CONTINUOUS]
     discrete = [c for c in system.components if roles[c.name] is not Role.CONTINUOUS]
     names = {component.name for component in continuous}
@@ -108,6 +122,7 @@ def make_plan(
         continuous=[participants[c.name] for c in continuous_order(continuous, system.connections)],
         schedule=Schedule(holds, lines),
         lines=lines,
+        faults=faults,
         coupled=coupled or bool(lines),
         first_text=total + 1,
         texts=present,
@@ -151,7 +166,7 @@ def _is_taken(component: Component, name: str, taken: set[tuple[str, str]]) -> b
 class Layout(NamedTuple):
     """The slot of each signal and of each column, the number of recorded signals, and of all but texts.
 
-    ``columns`` and ``variables`` are as in ``Plan``.
+    ``columns`` and ``variables`` are as in ``Plan``, ``faulty`` are the slots of what inputs with faults get.
     """
 
     signals: dict[tuple[str, str], int]
@@ -159,6 +174,7 @@ class Layout(NamedTuple):
     recorded: int
     total: int
     variables: dict[str, Variable]
+    faulty: dict[tuple[str, str], int]
 
 
 def lay_out(system: System) -> Layout:
@@ -177,10 +193,14 @@ def lay_out(system: System) -> Layout:
         for name in _recorded_outputs(component)
     }
     columns |= {dotted(channel.target): signals[channel.target] for channel in system.channels}
+    targets = dict.fromkeys(fault.target for fault in system.faults)
+    faulty = {target: slot for slot, target in enumerate(targets, len(signals))}
+    columns |= {dotted(target): slot for target, slot in faulty.items()}
     by_name = {component.name: component for component in system.components}
-    variables = {dotted(end): by_name[end[0]].fmu.variables[end[1]] for end in signals}
-    total = len(signals) + sum(channel.linear for channel in system.channels)
-    return Layout(signals, columns, len(signals), total, variables)
+    variables = {dotted(end): by_name[end[0]].fmu.variables[end[1]] for end in (*signals, *faulty)}
+    recorded = len(signals) + len(faulty)
+    total = recorded + sum(channel.linear for channel in system.channels)
+    return Layout(signals, columns, recorded, total, variables, faulty)
 
 
 def _text_signals(system: System, first: int) -> dict[tuple[str, str], int]:
@@ -218,14 +238,11 @@ def _channel_signals(
     return holds, lines
 
 
-_Source = tuple[int, float, float, tuple[tuple[float, float], ...]]
-
-
 def _sources(
     system: System, signals: dict[tuple[str, str], int], roles: dict[str, Role], lines: list[Line]
-) -> dict[tuple[str, str], _Source]:
+) -> dict[tuple[str, str], Source]:
     """Return slot, factor, offset and table of each driven input: a continuous one follows a line by its middles."""
-    sources: dict[tuple[str, str], _Source] = {}
+    sources: dict[tuple[str, str], Source] = {}
     for connection in system.connections:
         sources[connection.target] = (
             signals[connection.source],
@@ -245,8 +262,8 @@ def _sources(
 
 
 def _idle_elements(
-    component: Component, sources: dict[tuple[str, str], _Source], zero: int
-) -> dict[tuple[str, str], _Source]:
+    component: Component, sources: dict[tuple[str, str], Source], zero: int
+) -> dict[tuple[str, str], Source]:
     """Return the elements of arrays, other elements of which are driven: they are set with them, to their start."""
     variables = component.fmu.variables.values()
     arrays = {v.array for v in variables if v.array is not None and (component.name, v.name) in sources}
@@ -260,7 +277,7 @@ def _idle_elements(
 def _input_groups(
     component: Component,
     instance: Instance,
-    sources: dict[tuple[str, str], _Source],
+    sources: dict[tuple[str, str], Source],
     inputs: array[float],
     free: int,
 ) -> tuple[InputGroup, ...]:
@@ -317,13 +334,21 @@ def _sizes(buffer: Buffer) -> int | None:
 
 
 def _triggers(
-    system: System, groups: tuple[InputGroup, ...], signals: dict[tuple[str, str], int], roles: dict[str, Role]
+    system: System,
+    groups: tuple[InputGroup, ...],
+    signals: dict[tuple[str, str], int],
+    roles: dict[str, Role],
+    faults: SignalFaults,
 ) -> tuple[Wire, ...]:
-    """Return the wires from sources that change at instants only: discrete components and hold channels."""
+    """Return the wires from sources that change at instants only: discrete components and hold channels.
+
+    A fault does not change what the source is.
+    """
     stepwise = {signals[channel.target] for channel in system.channels if not channel.linear}
     stepwise |= {
         slot for (name, variable), slot in signals.items() if _is_discrete_output(system, name, variable, roles)
     }
+    stepwise |= {one.slot for one in faults.inputs if one.triggers}
     return tuple(wire for group in groups for wire in group.wires if wire.source in stepwise)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.engine._fault import Fault
 from cosim.errors import SimulationError
 
 
@@ -16,8 +17,9 @@ class Result:
 
     ``time`` [s] has shape (n,): the multiples of the output interval, and stop as the last. ``columns`` maps
     "component.variable" to an array of shape (n,), in the order of the components: all their outputs, then the inputs
-    that channels drive; float64 for Real, int64 for the other types (a Boolean is 0 or 1). ``units`` holds the FMI
-    unit of the columns that have one, ``literals`` the names of an enumeration's values 1, 2, ...
+    that channels drive, and those with faults, as the components get them; float64 for Real, int64 for the other types
+    (a Boolean is 0 or 1). ``units`` holds the FMI unit of the columns that have one, ``literals`` the names of an
+    enumeration's values 1, 2, ..., ``faults`` what was done on purpose, with the periods that were chosen.
 
     A row holds the values after the events at its time; an output of a continuous component holds the end of the step
     that led there, before those events act on it.
@@ -41,6 +43,7 @@ class Result:
     statistics: dict[str, object] = field(default_factory=dict)
     complete: bool = True
     message: str | None = None
+    faults: tuple[Fault, ...] = ()
 
 
 class PartialResultError(SimulationError):

@@ -53,6 +53,13 @@ def period_of(component: Component, output_interval: float) -> float:
     return float(value)
 
 
+def sample_period(component: Component, output_interval: float) -> float | None:
+    """Return the sample period [s] of a component; None if it has none, or announces its instants while it runs."""
+    if has_period(component.fmu) or role_of(component.fmu) is Role.SAMPLED:
+        return period_of(component, output_interval)
+    return None
+
+
 def fixed_step_of(component: Component, output_interval: float) -> float:
     """Return the length [s] of the steps of a continuous component; infinite if it takes steps of any length."""
     if component.fmu.capabilities["canHandleVariableCommunicationStepSize"]:

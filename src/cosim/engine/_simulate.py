@@ -11,6 +11,8 @@ from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_step
 from cosim.engine._calls import Site
 from cosim.engine._coupling_error import Companion, Estimate, no_estimate
 from cosim.engine._execution import Ending, Job, execute, instantiated, loop_name
+from cosim.engine._fault import Fault
+from cosim.engine._fault_signals import resolved_faults
 from cosim.engine._isolation import Isolate, is_isolated, run_isolated
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Layout, lay_out
@@ -72,6 +74,7 @@ def simulate(
     for component in system.components:
         parameters_of(component)
     limits = Limits(call_timeout, memory_limit)
+    faults = resolved_faults(system, stop, output_interval)
     layout = lay_out(system)
     job = Job(system, stop, output_interval, tolerance, step)
     isolated = is_isolated(isolate, system)
@@ -86,7 +89,7 @@ def simulate(
     companion = Companion(job)
     estimate = _estimate(companion, layout, record, ending, run) if coupling_error else no_estimate("not asked for")
     ending.statistics["coupling"] = companion.account(layout, estimate)
-    result = _result(layout, record, ending)
+    result = _result(layout, record, ending, faults)
     if estimate.interrupted:
         raise SimulationInterrupted("interrupted while the coupling error was estimated, after the run itself", result)
     if ending.interrupted:
@@ -116,7 +119,7 @@ def _estimate(
     return companion.compare(layout, record, fine, second)
 
 
-def _result(layout: Layout, record: Record, ending: Ending) -> Result:
+def _result(layout: Layout, record: Record, ending: Ending, faults: list[Fault]) -> Result:
     table = record.rows.T if record.count == len(record.grid) else record.rows[: record.count].T.copy()
     columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {}
     for name, slot in layout.columns.items():
@@ -130,4 +133,5 @@ def _result(layout: Layout, record: Record, ending: Ending) -> Result:
         statistics=ending.statistics,
         complete=ending.message is None,
         message=ending.message,
+        faults=tuple(faults),
     )

@@ -52,6 +52,53 @@ class Group(Structure):
     ]
 
 
+class FaultState(Structure):
+    """Where a fault is; see engine.h."""
+
+    _fields_ = [
+        ("kept", c_double),
+        *((name, c_int64) for name in ("period", "first", "count", "jump")),
+        *((name, c_int32) for name in ("active", "passing")),
+    ]
+    kept: float
+    period: int
+    first: int
+    count: int
+    jump: int
+    active: int
+    passing: int
+
+
+class SignalFault(Structure):
+    _fields_ = [
+        *((name, c_double) for name in ("amount", "start", "stop", "watch", "every")),
+        *((name, c_void_p) for name in ("draws", "points", "state")),
+        *((name, c_int64) for name in ("boundary", "capacity")),
+        *((name, c_int32) for name in ("kind", "stepwise")),
+    ]
+
+
+class FaultyInput(Structure):
+    _fields_ = [
+        ("at", Wire),
+        ("held", Wire),
+        ("slot", c_int64),
+        ("line", c_void_p),
+        ("faults", c_void_p),
+        ("n_faults", c_int64),
+    ]
+
+
+class FaultClock(Structure):
+    """Of all faulty inputs: what their faults are asked for, and when the next one does something; see engine.h."""
+
+    _fields_ = [("time", c_double), ("next", c_double), ("stepping", c_int32), ("full", c_int32)]
+    time: float
+    next: float
+    stepping: int
+    full: int
+
+
 class Trigger(Structure):
     _fields_ = [("wire", Wire), ("input", c_void_p)]
 
@@ -61,8 +108,8 @@ class Component(Structure):
     _fields_ = [
         ("instance", c_void_p),
         *((name, c_void_p) for name in _functions),
-        *((name, c_void_p) for name in ("inputs", "outputs", "triggers")),
-        *((name, c_int64) for name in ("n_inputs", "n_triggers")),
+        *((name, c_void_p) for name in ("inputs", "outputs", "triggers", "faulty")),
+        *((name, c_int64) for name in ("n_inputs", "n_triggers", "n_faulty")),
         ("n_outputs", 2 * c_int64),
         *((name, c_double) for name in ("period", "due", "time")),
         *((name, c_int64) for name in ("ticks", "steps", "events")),
@@ -104,10 +151,13 @@ class Engine(Structure):
         ("at", Position),
         *(
             (name, c_void_p)
-            for name in ("values", "grid", "rows", "discrete", "continuous", "changes", "lines", "texts")
+            for name in (
+                *("values", "grid", "rows", "discrete", "continuous", "changes", "lines", "texts"),
+                *("faulty", "fault_clock"),
+            )
         ),
         *((name, c_int64) for name in ("n_values", "n_recorded", "n_rows", "first_text")),
-        *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines")),
+        *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines", "n_faulty")),
         *((name, c_int64) for name in ("change", "macro_steps")),
         ("step", c_double),
         *((name, c_int32) for name in ("coupled", "started", "not_a_number", "parts")),
@@ -127,5 +177,8 @@ class Fault(Structure):
     kind: int
 
 
-SIZES = tuple(ctypes.sizeof(s) for s in (Wire, Group, Trigger, Component, Change, Line, Text, Engine, Fault))
+SIZES = tuple(
+    ctypes.sizeof(s) for s in (Wire, Group, FaultState, SignalFault, FaultyInput, FaultClock, Trigger, Component)
+)
+SIZES += tuple(ctypes.sizeof(s) for s in (Change, Line, Text, Engine, Fault))
 """Of the structures, in the order in which the library reports its own."""

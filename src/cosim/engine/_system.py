@@ -1,4 +1,4 @@
-"""What is simulated: components, the connections between them, and channels that drive inputs from a table."""
+"""What is simulated: components, the connections between them, channels that drive inputs from a table, and faults."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from cosim.engine._fault import Fault, check_fault
 from cosim.engine._fmu import Fmu
 from cosim.engine._variable import OPAQUE, Value, Variable
 from cosim.errors import FmuError, InputError
@@ -69,11 +70,15 @@ class Channel:
 
 @dataclass
 class System:
-    """Components, and what drives their inputs; an input that nothing drives keeps its start value."""
+    """Components, and what drives their inputs; an input that nothing drives keeps its start value.
+
+    ``faults`` are done on purpose to what the inputs get; those of one input act in the order in which they are here.
+    """
 
     components: list[Component]
     connections: list[Connection] = field(default_factory=list)
     channels: list[Channel] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
 
     def check(self) -> None:
         """Raise InputError (FmuError for a variable that an FMU does not have) if this system cannot be simulated."""
@@ -96,6 +101,8 @@ class System:
             target = _find(by_name, channel.target, "input")
             _claim(driven, channel.target)
             _check_table(channel, target)
+        for fault in self.faults:
+            check_fault(fault, _find(by_name, fault.target, "input"))
 
 
 def dotted(end: tuple[str, str]) -> str:

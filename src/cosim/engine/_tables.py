@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from ctypes import Array, addressof, c_double, c_int64
+from ctypes import Array, addressof, c_double, c_int64, sizeof
 from typing import Any
 
 from cosim.engine import _structures as structures
 from cosim.engine._calls import NUMBERS
 from cosim.engine._channels import Line, Schedule
 from cosim.engine._instance import Access
-from cosim.engine._participant import Binaries, InputGroup, OutputGroup, Participant, Wire
+from cosim.engine._participant import Binaries, InputGroup, OutputGroup, Participant
 from cosim.engine._plan import Plan
 from cosim.engine._record import Record
 from cosim.engine._role import Role
+from cosim.engine._signal_faults import FaultyInput, SignalFault
+from cosim.engine._wire import Wire
 
 _TYPES = {code: number for number, code in enumerate("dfbBhHiIqQ")}
 _OPAQUE = {"String": 10, "Binary": 11}
@@ -40,11 +42,13 @@ class Tables:
         values = plan.values
         self._values = values.buffer_info()[0]
         self._inputs = plan.inputs.buffer_info()[0]
+        self._lines = (structures.Line * len(plan.lines))(*map(self._line, plan.lines))
+        self._delays: list[tuple[SignalFault, structures.SignalFault]] = []
+        self._faulty = (structures.FaultyInput * len(plan.faults.inputs))(*map(self._faulty_input, plan.faults.inputs))
         components = [self._component(participant) for participant in participants]
         split = len(plan.discrete)
         self._discrete = (structures.Component * split)(*components[:split])
         self._continuous = (structures.Component * len(plan.continuous))(*components[split:])
-        lines = [self._line(line) for line in plan.lines]
         self.engine = structures.Engine.from_buffer(record.header)
         _fill(
             self.engine,
@@ -54,7 +58,7 @@ class Tables:
             discrete=addressof(self._discrete),
             continuous=addressof(self._continuous),
             changes=self._changes(plan.schedule),
-            lines=self._keep((structures.Line * len(lines))(*lines)),
+            lines=addressof(self._lines),
             texts=self._keep((structures.Text * (len(values) - plan.first_text))()),
             n_values=len(values),
             first_text=plan.first_text,
@@ -63,7 +67,10 @@ class Tables:
             n_discrete=split,
             n_continuous=len(plan.continuous),
             n_changes=len(plan.schedule.changes),
-            n_lines=len(lines),
+            n_lines=len(self._lines),
+            faulty=addressof(self._faulty),
+            n_faulty=len(self._faulty),
+            fault_clock=addressof(plan.faults.clock),
             step=step or 0.0,
             coupled=plan.coupled,
             parts=parts,
@@ -80,6 +87,15 @@ class Tables:
             participant.steps = component.steps
             participant.events = component.events
             participant.in_event_mode = bool(component.in_event_mode)
+
+    def make_room(self) -> None:
+        """Give more memory to the histories of delayed signals that need it before the next macro step."""
+        if not self._plan.faults.clock.full:
+            return
+        for fault, structure in self._delays:
+            if not fault.make_room():
+                fault.grow()
+                structure.points, structure.capacity = fault.points.buffer_info()[0], fault.capacity
 
     def _keep(self, memory: Array[Any]) -> int:
         self._memory.append(memory)
@@ -101,7 +117,11 @@ class Tables:
             n_inputs=len(participant.input_groups),
             n_outputs=_counts(participant.output_groups),
             n_triggers=len(participant.triggers),
+            n_faulty=len(participant.faulty),
         )
+        if participant.faulty:
+            first = self._plan.faults.inputs.index(participant.faulty[0])
+            component.faulty = addressof(self._faulty) + first * sizeof(structures.FaultyInput)
         if participant.role is Role.EVENT:
             component.enter_event_mode = instance.pointer("EnterEventMode")
             component.enter_step_mode = instance.pointer("EnterStepMode")
@@ -153,6 +173,31 @@ class Tables:
     def _number(self, group: InputGroup | OutputGroup) -> int:
         self.groups.append(group)
         return len(self.groups) - 1
+
+    def _faulty_input(self, one: FaultyInput) -> structures.FaultyInput:
+        faults = (structures.SignalFault * len(one.faults))(*map(self._signal_fault, one.faults))
+        self._delays += [(fault, structure) for fault, structure in zip(one.faults, faults, strict=True)]
+        line = None
+        if one.line is not None:
+            line = addressof(self._lines) + self._plan.lines.index(one.line) * sizeof(structures.Line)
+        at, held = self._wire(one.at), self._wire(one.held)
+        return structures.FaultyInput(at, held, one.slot, line, self._keep(faults), len(faults))
+
+    def _signal_fault(self, fault: SignalFault) -> structures.SignalFault:
+        return structures.SignalFault(
+            amount=fault.amount,
+            start=fault.start,
+            stop=fault.stop,
+            watch=fault.watch,
+            every=fault.every,
+            draws=fault.draws.buffer_info()[0],
+            points=fault.points.buffer_info()[0],
+            state=addressof(fault.state),
+            boundary=fault.boundary,
+            capacity=fault.capacity,
+            kind=fault.kind,
+            stepwise=fault.stepwise,
+        )
 
     def _changes(self, schedule: Schedule) -> int:
         changes = [structures.Change(time, value, slot) for time, slot, value in schedule.changes]

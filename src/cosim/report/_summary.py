@@ -33,8 +33,9 @@ class Run:
 def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
     """Return the summary of a run, ready for JSON: numbers that JSON does not know are texts such as ``inf``.
 
-    ``wall_s`` [s] and ``real_time_factor`` (simulated per elapsed time) are the only entries that differ between two
-    runs of one scenario. ``solver_steps`` and ``rejected_steps`` are sums over the FMUs that publish them, else None.
+    ``wall_s`` [s], ``second_wall_s`` [s] of the run for the coupling error, and ``real_time_factor`` (simulated per
+    elapsed time) are the only entries that differ between two runs of one scenario. ``coupling`` is as in ``Result``.
+    ``solver_steps`` and ``rejected_steps`` are sums over the FMUs that publish them, else None.
     """
     statistics = result.statistics
     wall = statistics.get("wall_s")
@@ -51,10 +52,12 @@ def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
         "rows": len(result.time),
         "wall_s": wall,
         "real_time_factor": reached / wall if isinstance(wall, float) and wall > 0 else None,
+        "second_wall_s": statistics.get("second_wall_s"),
         "exchanges": statistics.get("exchanges"),
         "solver_steps": _total(statistics, "steps"),
         "rejected_steps": _total(statistics, "rejected_steps"),
         "events": _events(statistics),
+        "coupling": statistics.get("coupling", []),
         "components": {component.name: _component(component, statistics) for component in system.components},
         "linear_channels": linear_channels(system, run.output_interval),
         "parameters": parameters(system),

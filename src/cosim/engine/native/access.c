@@ -108,20 +108,9 @@ static bool load(Engine *engine, const Component *component, const Group *group,
     return true;
 }
 
-RARE double looked_up(const Wire *wire, double value) {
-    for (int64_t i = 0; i < wire->pairs; i++) {
-        if (wire->table[2 * i] == value) return wire->table[2 * i + 1];
-    }
-    return value;
-}
-
-OFTEN double handed_on(const Wire *wire, const double *values) {
-    const double value = values[wire->source] * wire->factor + wire->offset;
-    return wire->pairs ? looked_up(wire, value) : value;
-}
-
 /* Doubles are set and read where they lie. */
 OFTEN bool write_inputs(Engine *engine, const Component *component) {
+    if (component->n_faulty > 0) refresh(engine, component->faulty, component->n_faulty);
     const double *const values = engine->values;
     const Group *const end = component->inputs + component->n_inputs;
     for (const Group *group = component->inputs; group < end; group++) {
@@ -157,7 +146,8 @@ OFTEN bool read_outputs(Engine *engine, Component *component, bool recording) {
     return true;
 }
 
-static inline bool triggered(const Engine *engine, const Component *component) {
+static inline bool triggered(Engine *engine, const Component *component) {
+    if (component->n_triggers > 0 && component->n_faulty > 0) refresh(engine, component->faulty, component->n_faulty);
     for (int64_t i = 0; i < component->n_triggers; i++) {
         const Trigger *trigger = &component->triggers[i];
         if (handed_on(&trigger->wire, engine->values) != *trigger->input) return true;

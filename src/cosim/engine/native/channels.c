@@ -30,6 +30,19 @@ static double value_at(const Line *line, double t) {
     return y0 + (y1 - y0) * passed / (t1 - t0);
 }
 
+/* The value at t, before a step at t. */
+static double value_before(const Line *line, double t) {
+    int64_t low = 0, high = line->count; /* of the entries at t or after it, the first */
+    while (low < high) {
+        const int64_t middle = (low + high) / 2;
+        if (line->times[middle] < t - SAME_INSTANT) low = middle + 1;
+        else high = middle;
+    }
+    if (low == 0 && t > SAME_INSTANT) return line->start;
+    if (low < line->count && line->times[low] <= t + SAME_INSTANT) return line->values[low];
+    return value_at(line, t);
+}
+
 static void set_middles(Engine *engine, double middle) {
     for (const Line *line = engine->lines; line < engine->lines + engine->n_lines; line++) {
         engine->values[line->middle] = value_at(line, middle);

@@ -22,9 +22,11 @@ OFTEN void enter(Engine *engine, const Component *component, CalledFunction func
 }
 
 #include "texts.c"
+#include "channels.c"
+#include "wires.c"
+#include "signal_faults.c"
 #include "access.c"
 #include "component.c"
-#include "channels.c"
 #include "record.c"
 #include "loop.c"
 #if !WATCHED

@@ -74,6 +74,56 @@ typedef struct {
     Call call;          /* for the position */
 } Group;
 
+typedef enum { OVERRIDE, BIAS, SCALE, FREEZE, DELAY, DROP, QUANTISE, NOISE } SignalFaultKind;
+
+typedef struct {
+    double time, value;
+} Point;
+
+/* What changes of a fault while a run goes on. */
+typedef struct {
+    double kept;            /* the value that a frozen or dropped signal keeps */
+    int64_t period;         /* the present one of its random numbers, -1 before it looks at the signal */
+    int64_t first, count;   /* of the points in use, the first, and the first behind them */
+    int64_t jump;           /* no step of the signal before this point is still to come out of the delay */
+    int32_t active, passing; /* passing: a value arrives at this instant */
+} FaultState;
+
+/* What is done to a signal from start to stop. draws[0] is for the time before boundary * every, each of the others
+ * for a period. */
+typedef struct {
+    double amount, start, stop;
+    double watch;           /* it looks at the signal from here on: what it keeps is the value at its start, or, where
+                             * values are lost, at the last instant before at which one arrives */
+    double every;
+    const double *draws;
+    Point *points;          /* of a delayed signal, whose history is a line through them; two of one time are a step */
+    FaultState *state;
+    int64_t boundary, capacity;
+    int32_t kind;
+    int32_t stepwise;       /* the signal keeps its value between communication points */
+} SignalFault;
+
+typedef struct Line Line;
+
+/* An input with faults reads the signal `slot`. What drives it is at `at` at a communication point, at `held` in a step
+ * between two; both differ for a linear channel. */
+typedef struct {
+    Wire at, held;
+    int64_t slot;
+    const Line *line;
+    const SignalFault *faults;
+    int64_t n_faults;
+} FaultyInput;
+
+/* Of all faulty inputs. */
+typedef struct {
+    double time;      /* for which they are asked */
+    double next;      /* instant at which a fault does something */
+    int32_t stepping; /* in a step, of which `time` is the middle */
+    int32_t full;     /* a history needs more memory before the next macro step */
+} FaultClock;
+
 /* A change of this signal is an event for the component, even between its own events. */
 typedef struct {
     Wire wire;
@@ -87,7 +137,8 @@ typedef struct {
     Function do_step, enter_event_mode, enter_step_mode, update_discrete_states;
     const Group *inputs, *outputs;
     const Trigger *triggers;
-    int64_t n_inputs, n_triggers;
+    const FaultyInput *faulty;
+    int64_t n_inputs, n_triggers, n_faulty;
     int64_t n_outputs[2]; /* those with a connected variable come first */
     double period;    /* of a sampled component, or of a continuous one with steps of one length; else infinite */
     double due;       /* its next event or sample, or the end of its fixed step, infinite if there is none */
@@ -111,12 +162,12 @@ typedef struct {
 } Change;
 
 /* A linear channel: its signal `slot` holds the value at an instant, `middle` that in the middle of a step. */
-typedef struct {
+struct Line {
     const double *times, *values;
     int64_t count;
     double start; /* before its first entry */
     int64_t slot, middle;
-} Line;
+};
 
 /* A text or a Binary that a component has put out. Its signal counts how often it has changed. */
 typedef struct {
@@ -162,8 +213,10 @@ typedef struct {
     const Change *changes;
     const Line *lines;
     Text *texts;         /* of the signals from first_text on */
+    const FaultyInput *faulty;
+    FaultClock *fault_clock;
     int64_t n_values, n_recorded, n_rows, first_text;
-    int64_t n_discrete, n_continuous, n_changes, n_lines;
+    int64_t n_discrete, n_continuous, n_changes, n_lines, n_faulty;
     int64_t change;      /* the first that was not yet applied */
     int64_t macro_steps; /* fixed-step algorithm only */
     double step;         /* macro step; fixed-step algorithm only */

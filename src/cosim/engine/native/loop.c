@@ -42,6 +42,7 @@ static bool advance(Engine *engine, double now, double t, bool recording) {
         if (component->due < INFINITY && !begin_fixed_step(engine, component, now)) return false;
     }
     if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
+    if (engine->n_faulty > 0) begin_faulty_step(engine, now, h);
     for (Component *component = engine->continuous; component < end; component++) {
         if (component->due < INFINITY) {
             if (!end_fixed_step(engine, component, t)) return false;
@@ -71,7 +72,8 @@ static bool advance_in_parts(Engine *engine, double t, bool recording) {
 static bool go_on(Engine *engine) {
     Component *const end = engine->discrete + engine->n_discrete;
     const double row = engine->grid[engine->at.row], stop = engine->grid[engine->n_rows - 1];
-    const double change = next_change(engine);
+    double change = next_change(engine);
+    if (engine->n_faulty > 0 && engine->fault_clock->next < change) change = engine->fault_clock->next;
     double due = INFINITY;
     for (const Component *component = engine->discrete; component < end; component++) {
         if (component->due < due) due = component->due;
@@ -92,7 +94,9 @@ static bool go_on(Engine *engine) {
         }
     }
     engine->at.now = t;
+    if (engine->n_faulty > 0) arrive(engine, t);
     if (exchanging && !(are_numbers(engine) && exchange(engine, t, recording))) return false;
+    if (engine->n_faulty > 0) settle(engine, t);
     engine->at.exchanges += exchanging || engine->coupled;
     return true;
 }
@@ -103,6 +107,7 @@ static bool go_on_jacobi(Engine *engine) {
     const double now = engine->at.now, h = engine->step;
     const double t = (double)++engine->macro_steps * h;
     if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
+    if (engine->n_faulty > 0) begin_faulty_step(engine, now, 0.0);
     for (Component *component = engine->continuous; component < end; component++) {
         if (!write_inputs(engine, component)) return false;
     }
@@ -114,7 +119,9 @@ static bool go_on_jacobi(Engine *engine) {
         if (!read_outputs(engine, component, recording)) return false;
     }
     if (engine->n_lines > 0) set_lines(engine, t);
+    if (engine->n_faulty > 0) arrive(engine, t);
     if (next_change(engine) <= t + SAME_INSTANT) apply_changes(engine, t);
+    if (engine->n_faulty > 0) settle(engine, t);
     engine->at.now = t;
     engine->at.exchanges++;
     return are_numbers(engine);
@@ -124,8 +131,10 @@ static bool start(Engine *engine) {
     engine->started = true;
     engine->not_a_number = true; /* has not been looked at yet */
     engine->at.exchanges = 1;
-    if (engine->step == 0.0) return exchange(engine, 0.0, true);
-    apply_changes(engine, 0.0);
+    if (engine->n_faulty > 0) arrive(engine, 0.0);
+    if (engine->step > 0.0) apply_changes(engine, 0.0);
+    else if (!exchange(engine, 0.0, true)) return false;
+    if (engine->n_faulty > 0) settle(engine, 0.0);
     return true;
 }
 
@@ -150,21 +159,19 @@ EXPORT int cosim_run(Engine *engine, double limit) {
             if (!put_row(engine)) return BROKEN;
             if (engine->at.row == engine->n_rows) return FINISHED;
         }
+        if (engine->n_faulty > 0 && !make_room(engine)) return UNFINISHED;
         if (!(jacobi ? go_on_jacobi(engine) : go_on(engine))) return BROKEN;
     }
 }
 
 #if !WATCHED
 /* Sizes of the structures, so that whoever fills them in can check that he means the same. */
-EXPORT void cosim_sizes(int64_t sizes[9]) {
-    sizes[0] = sizeof(Wire);
-    sizes[1] = sizeof(Group);
-    sizes[2] = sizeof(Trigger);
-    sizes[3] = sizeof(Component);
-    sizes[4] = sizeof(Change);
-    sizes[5] = sizeof(Line);
-    sizes[6] = sizeof(Text);
-    sizes[7] = sizeof(Engine);
-    sizes[8] = sizeof(Fault);
+EXPORT void cosim_sizes(int64_t *sizes) {
+    const size_t known[] = {
+        sizeof(Wire),      sizeof(Group),   sizeof(FaultState), sizeof(SignalFault), sizeof(FaultyInput), sizeof(FaultClock),
+        sizeof(Trigger),   sizeof(Component), sizeof(Change),   sizeof(Line),        sizeof(Text),        sizeof(Engine),
+        sizeof(Fault),
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) sizes[i] = (int64_t)known[i];
 }
 #endif

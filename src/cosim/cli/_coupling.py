@@ -1,0 +1,60 @@
+"""What a run tells of the exchange between its components: delays and coupling errors, as a table or a line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from cosim.cli._screen import Screen
+from cosim.engine import EXACT
+
+_SHOWN = 12
+"""The table has so many connections, those that are off most; summary.json has all."""
+
+
+def show_coupling(summary: Mapping[str, Any], screen: Screen) -> None:
+    """Print the connections whose error is not none; one line if there is no such connection, nothing without any."""
+    entries: list[dict[str, Any]] = summary["coupling"]
+    if not screen.talks or not entries:
+        return
+    inexact = [entry for entry in entries if entry["note"] != EXACT]
+    if not inexact:
+        screen.say(f"coupling error: none, all {len(entries)} connections are sampled")
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    inexact.sort(key=lambda entry: -(entry["relative"] or 0.0))
+    table = Table("connection", title="Coupling error, estimated", title_justify="left", box=None, pad_edge=False)
+    for heading in ("delay", "error", "of range", "falls with"):
+        table.add_column(heading, justify="right")
+    for entry in inexact[:_SHOWN]:
+        table.add_row(f"{entry['source']} -> {entry['target']}", *_cells(entry))
+    Console().print(table, highlight=False)
+    others = [note for note in dict.fromkeys(entry["note"] for entry in inexact) if note]
+    others += [text for entry in inexact[:_SHOWN] if (text := _carried_on(entry))]
+    if len(inexact) > _SHOWN:
+        others.append(f"{len(inexact) - _SHOWN} more connections are in summary.json")
+    if len(inexact) < len(entries):
+        others.append(f"{len(entries) - len(inexact)} more connections are sampled, without such an error")
+    for text in others:
+        screen.say(text)
+
+
+def _cells(entry: Mapping[str, Any]) -> tuple[str, ...]:
+    delay, error, relative, order = (entry[key] for key in ("delay_s", "error", "relative", "order"))
+    unit = f" {entry['unit']}" if entry["unit"] not in (None, "1") else ""
+    return (
+        f"{delay:.3g} s" if delay is not None else "",
+        f"{error:.2g}{unit}" if error is not None else "not known",
+        f"{100.0 * relative:.2g} %" if relative is not None else "",
+        f"h^{order}" if order is not None else "",
+    )
+
+
+def _carried_on(entry: Mapping[str, Any]) -> str:
+    """Tell of a signal that is right itself, but not what its target makes of it."""
+    worst = entry["target_outputs"]
+    if not worst or not worst["relative"] or entry["relative"] is None or worst["relative"] <= 2.0 * entry["relative"]:
+        return ""
+    return f"{worst['output']}, behind {entry['target']}, is off by {100.0 * worst['relative']:.2g} % of its range"
