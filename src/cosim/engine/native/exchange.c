@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Model Exchange: the FMU led through its modes. Between two steps it is in Continuous-Time Mode until an input is set:
- * that is an event, after which the solver starts anew. The solver may be ahead of the end of a step, with inputs as they
- * are, and what is asked for is interpolated. Events within a step are handled where they are: roots of indicators, times
- * that the FMU has announced, and those that it asks for after a step of the solver.
+ * Model Exchange: the FMU led through its modes. Between two steps it is in Continuous-Time Mode until an input is
+ * set: that is an event, after which the solver starts anew. The solver may be ahead of the end of a step, with inputs
+ * as they are, and what is asked for is interpolated. Events within a step are handled where they are: roots of
+ * indicators, times that the FMU has announced, and those that it asks for after a step of the solver.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +21,7 @@ static Status ending(Exchange *x, bool done) {
 
 static bool enter_event(Exchange *x) {
     if (!x->m.in_event_mode) {
-        if (ask(x, FMU_ENTER_EVENT_MODE) != ANSWERED) return false;
+        if (call_fmu(x, FMU_ENTER_EVENT_MODE) != ANSWERED) return false;
         x->m.in_event_mode = true;
     }
     x->m.dirty = true;
@@ -29,7 +29,7 @@ static bool enter_event(Exchange *x) {
 }
 
 /* Update the discrete states until they rest. */
-static bool settle(Exchange *x) {
+static bool update_to_rest(Exchange *x) {
     EventInfo info;
     for (int updates = 0;; updates++) {
         if (updates == MOST_UPDATES) return fail_with(x, UPDATES_WITHOUT_END) == ANSWERED;
@@ -44,7 +44,7 @@ static bool settle(Exchange *x) {
 
 /* Leave Event Mode, and start the solver from the states that the FMU has now. */
 static bool enter_continuous_time(Exchange *x) {
-    if (ask(x, FMU_ENTER_CONTINUOUS_TIME_MODE) != ANSWERED) return false;
+    if (call_fmu(x, FMU_ENTER_CONTINUOUS_TIME_MODE) != ANSWERED) return false;
     x->m.in_event_mode = false;
     return start_solver(x) == ANSWERED;
 }
@@ -59,7 +59,7 @@ static bool count_event(Exchange *x, int kind) {
 
 /* Accept the solver's last step, and handle what happens at its end. The step of the instance ends there, too, if
  * `at_end`, or if the FMU wants the simulation to end. */
-static bool accept(Exchange *x, bool at_end, bool *event_needed, bool *terminate) {
+static bool accept_step(Exchange *x, bool at_end, bool *event_needed, bool *terminate) {
     Moment *m = &x->m;
     bool wanted;
     m->open = false;
@@ -72,21 +72,21 @@ static bool accept(Exchange *x, bool at_end, bool *event_needed, bool *terminate
         *event_needed = true;
         return true;
     }
-    if (!enter_event(x) || !settle(x)) return false;
+    if (!enter_event(x) || !update_to_rest(x)) return false;
     return at_end || enter_continuous_time(x); /* else it stays in Event Mode, where inputs may be set */
 }
 
 static bool step_to(Exchange *x, double target, bool *event_needed, bool *terminate) {
     Moment *m = &x->m;
     *event_needed = *terminate = false;
-    if (m->in_event_mode && ((m->dirty && !settle(x)) || !enter_continuous_time(x))) return false;
+    if (m->in_event_mode && ((m->dirty && !update_to_rest(x)) || !enter_continuous_time(x))) return false;
     while (m->front <= target + SAME_INSTANT) {
         const bool at_end = m->front >= target - SAME_INSTANT;
-        if (m->open && !accept(x, at_end, event_needed, terminate)) return false;
+        if (m->open && !accept_step(x, at_end, event_needed, terminate)) return false;
         if (at_end || *terminate) return true;
         if (!take_step(x, target)) return false;
     }
-    return show(x, target);
+    return show_within(x, target);
 }
 
 EXPORT Status cosim_exchange_DoStep(void *exchange, double t, double h, bool no_return, bool *event_needed,
@@ -128,7 +128,7 @@ EXPORT Status cosim_exchange_begin(void *exchange, double tolerance, double stop
     x->m.stop = stop;
     x->m.longest = stop / LEAST_STEPS;
     x->m.initialized = x->m.in_event_mode = x->m.dirty = true;
-    return ending(x, x->fmu.own_events || settle(x));
+    return ending(x, x->fmu.own_events || update_to_rest(x));
 }
 
 /* Arrays one after the other. */

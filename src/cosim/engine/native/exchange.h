@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * A Model Exchange FMU together with a solver is an instance that steps. All functions below named cosim_exchange_...
- * take such an instance where FMI's function of that name takes one, so that whoever steps FMUs need not know which kind
- * it is; those that differ in FMI 2.0 and 3.0 are named cosim_exchange2_... and cosim_exchange3_... Times are in seconds.
+ * A Model Exchange FMU together with a solver is an instance that steps. All functions named cosim_exchange_... take
+ * such an instance where FMI's function of that name takes one, so that whoever steps FMUs need not know which kind it
+ * is; those that differ in FMI 2.0 and 3.0 are named cosim_exchange2_... and cosim_exchange3_... Times are in seconds.
  *
  * All memory is allocated when the instance is made; what a copy of its state takes, when that is made.
  */
@@ -14,9 +14,9 @@
 #include "step_control.h"
 
 /* The types of variables in both versions of FMI. */
-#define VARIABLE_TYPES(X)                                                                                           \
-    X(Real) X(Integer) X(Boolean) X(String) X(Binary) X(Float64) X(Float32) X(Int8) X(UInt8) X(Int16) X(UInt16) X(Int32) \
-        X(UInt32) X(Int64) X(UInt64)
+#define VARIABLE_TYPES(X)                                                                                          \
+    X(Real) X(Integer) X(Boolean) X(String) X(Binary) X(Float64) X(Float32) X(Int8) X(UInt8) X(Int16) X(UInt16)    \
+        X(Int32) X(UInt32) X(Int64) X(UInt64)
 
 /* Functions of the FMU; cosim/engine/_exchange_native.py has the same order. */
 #define ACCESSED(Type) FMU_GET_##Type, FMU_SET_##Type,

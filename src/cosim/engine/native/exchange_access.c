@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Model Exchange: variables and derivatives, as FMI 2.0 and 3.0 have them: handed on to the FMU, which is led into Event
- * Mode before an input is set.
+ * Model Exchange: variables and derivatives, as FMI 2.0 and 3.0 have them: handed on to the FMU, which is led into
+ * Event Mode before an input is set.
  */
 #include "exchange.h"
 
@@ -17,32 +17,34 @@ static bool may_set(Exchange *x) {
     return may;
 }
 
-#define GET_AND_SET_2(Type)                                                                                            \
-    EXPORT Status cosim_exchange2_Get##Type(void *exchange, const ValueReference *references, size_t n, void *values) { \
-        const Exchange *x = exchange;                                                                                  \
-        return ((Access2Of)x->fmu.functions[FMU_GET_##Type])(x->fmu.instance, references, n, values);                 \
-    }                                                                                                                  \
-    EXPORT Status cosim_exchange2_Set##Type(void *exchange, const ValueReference *references, size_t n, void *values) { \
-        Exchange *x = exchange;                                                                                        \
-        if (!may_set(x)) return ending(x, false);                                                                      \
-        return ((Access2Of)x->fmu.functions[FMU_SET_##Type])(x->fmu.instance, references, n, values);                 \
+#define GET_AND_SET_2(Type)                                                                             \
+    EXPORT Status cosim_exchange2_Get##Type(void *exchange, const ValueReference *references, size_t n, \
+                                            void *values) {                                             \
+        const Exchange *x = exchange;                                                                   \
+        return ((Access2Of)x->fmu.functions[FMU_GET_##Type])(x->fmu.instance, references, n, values);   \
+    }                                                                                                   \
+    EXPORT Status cosim_exchange2_Set##Type(void *exchange, const ValueReference *references, size_t n, \
+                                            void *values) {                                             \
+        Exchange *x = exchange;                                                                         \
+        if (!may_set(x)) return ending(x, false);                                                       \
+        return ((Access2Of)x->fmu.functions[FMU_SET_##Type])(x->fmu.instance, references, n, values);   \
     }
 GET_AND_SET_2(Real)
 GET_AND_SET_2(Integer)
 GET_AND_SET_2(Boolean)
 GET_AND_SET_2(String)
 
-#define GET_AND_SET_3(Type)                                                                                            \
-    EXPORT Status cosim_exchange3_Get##Type(void *exchange, const ValueReference *references, size_t n, void *values,  \
-                                            size_t n_values) {                                                         \
-        const Exchange *x = exchange;                                                                                  \
-        return ((Access3Of)x->fmu.functions[FMU_GET_##Type])(x->fmu.instance, references, n, values, n_values);       \
-    }                                                                                                                  \
-    EXPORT Status cosim_exchange3_Set##Type(void *exchange, const ValueReference *references, size_t n, void *values,  \
-                                            size_t n_values) {                                                         \
-        Exchange *x = exchange;                                                                                        \
-        if (!may_set(x)) return ending(x, false);                                                                      \
-        return ((Access3Of)x->fmu.functions[FMU_SET_##Type])(x->fmu.instance, references, n, values, n_values);       \
+#define GET_AND_SET_3(Type)                                                                                     \
+    EXPORT Status cosim_exchange3_Get##Type(void *exchange, const ValueReference *references, size_t n,         \
+                                            void *values, size_t n_values) {                                    \
+        const Exchange *x = exchange;                                                                           \
+        return ((Access3Of)x->fmu.functions[FMU_GET_##Type])(x->fmu.instance, references, n, values, n_values); \
+    }                                                                                                           \
+    EXPORT Status cosim_exchange3_Set##Type(void *exchange, const ValueReference *references, size_t n,         \
+                                            void *values, size_t n_values) {                                    \
+        Exchange *x = exchange;                                                                                 \
+        if (!may_set(x)) return ending(x, false);                                                               \
+        return ((Access3Of)x->fmu.functions[FMU_SET_##Type])(x->fmu.instance, references, n, values, n_values); \
     }
 GET_AND_SET_3(Float64)
 GET_AND_SET_3(Float32)
@@ -72,17 +74,18 @@ EXPORT Status cosim_exchange3_SetBinary(void *exchange, const ValueReference *re
     return function(x->fmu.instance, references, n, sizes, values, n_values);
 }
 
-EXPORT Status cosim_exchange2_GetDirectionalDerivative(void *exchange, const ValueReference *unknowns, size_t n_unknowns,
-                                                       const ValueReference *knowns, size_t n_knowns, const double *seed,
-                                                       double *sensitivity) {
+EXPORT Status cosim_exchange2_GetDirectionalDerivative(void *exchange, const ValueReference *unknowns,
+                                                       size_t n_unknowns, const ValueReference *knowns,
+                                                       size_t n_knowns, const double *seed, double *sensitivity) {
     const Exchange *x = exchange;
     const Direction2 function = (Direction2)x->fmu.functions[FMU_GET_DIRECTIONAL_DERIVATIVE];
     return function(x->fmu.instance, unknowns, n_unknowns, knowns, n_knowns, seed, sensitivity);
 }
 
-EXPORT Status cosim_exchange3_GetDirectionalDerivative(void *exchange, const ValueReference *unknowns, size_t n_unknowns,
-                                                       const ValueReference *knowns, size_t n_knowns, const double *seed,
-                                                       size_t n_seed, double *sensitivity, size_t n_sensitivity) {
+EXPORT Status cosim_exchange3_GetDirectionalDerivative(void *exchange, const ValueReference *unknowns,
+                                                       size_t n_unknowns, const ValueReference *knowns,
+                                                       size_t n_knowns, const double *seed, size_t n_seed,
+                                                       double *sensitivity, size_t n_sensitivity) {
     const Exchange *x = exchange;
     const Direction3 function = (Direction3)x->fmu.functions[FMU_GET_DIRECTIONAL_DERIVATIVE];
     return function(x->fmu.instance, unknowns, n_unknowns, knowns, n_knowns, seed, n_seed, sensitivity, n_sensitivity);

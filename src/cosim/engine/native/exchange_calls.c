@@ -24,7 +24,7 @@ typedef struct {
 } EventInfo;
 typedef Status (*Update2)(void *, EventInfo *);
 
-static void tell(const Exchange *x, FmuFunction function) {
+static void note_call(const Exchange *x, FmuFunction function) {
     x->fmu.at->calls++;
     x->fmu.at->call = (Call){x->fmu.number, x->fmu.numbers[function]};
 }
@@ -36,7 +36,7 @@ static Answer fail_with(Exchange *x, TroubleKind kind) {
 }
 
 /* After a call; what has failed is kept, in case that no shorter step helps. */
-static Answer judge(Exchange *x, FmuFunction function, Status status) {
+static Answer judge_call(Exchange *x, FmuFunction function, Status status) {
     x->fmu.at->call.component = NOWHERE;
     if (status < FAILED) return ANSWERED;
     x->trouble.function = (int32_t)function;
@@ -45,23 +45,23 @@ static Answer judge(Exchange *x, FmuFunction function, Status status) {
     return status == DISCARD ? DISCARDED : ENDED;
 }
 
-static Answer ask(Exchange *x, FmuFunction function) {
-    tell(x, function);
-    return judge(x, function, ((OfInstance)x->fmu.functions[function])(x->fmu.instance));
+static Answer call_fmu(Exchange *x, FmuFunction function) {
+    note_call(x, function);
+    return judge_call(x, function, ((OfInstance)x->fmu.functions[function])(x->fmu.instance));
 }
 
 static Answer exchange_vector(Exchange *x, FmuFunction function, double *values, int64_t n) {
-    tell(x, function);
-    return judge(x, function, ((OfVector)x->fmu.functions[function])(x->fmu.instance, values, (size_t)n));
+    note_call(x, function);
+    return judge_call(x, function, ((OfVector)x->fmu.functions[function])(x->fmu.instance, values, (size_t)n));
 }
 
 /* Put the FMU to a time and states. */
-static Answer place(Exchange *x, double t, double *states) {
+static Answer put(Exchange *x, double t, double *states) {
     x->m.now = t;
     x->m.placed = false;
-    tell(x, FMU_SET_TIME);
+    note_call(x, FMU_SET_TIME);
     const Status status = ((OfTime)x->fmu.functions[FMU_SET_TIME])(x->fmu.instance, t);
-    const Answer answer = judge(x, FMU_SET_TIME, status);
+    const Answer answer = judge_call(x, FMU_SET_TIME, status);
     if (answer != ANSWERED || x->fmu.n_states == 0) return answer;
     return exchange_vector(x, FMU_SET_STATES, states, x->fmu.n_states);
 }
@@ -81,7 +81,7 @@ static Answer rates_here(Exchange *x, double *rates) {
 }
 
 static Answer rates_at(Exchange *x, double t, double *states, double *rates) {
-    const Answer answer = place(x, t, states);
+    const Answer answer = put(x, t, states);
     return answer == ANSWERED ? rates_here(x, rates) : answer;
 }
 
@@ -95,12 +95,12 @@ static Answer gain_along(Exchange *x, size_t n_seeded) {
     const Known *fmu = &x->fmu;
     const Function function = fmu->functions[FMU_GET_DIRECTIONAL_DERIVATIVE];
     const size_t n = (size_t)fmu->n_states;
-    tell(x, FMU_GET_DIRECTIONAL_DERIVATIVE);
+    note_call(x, FMU_GET_DIRECTIONAL_DERIVATIVE);
     const Status status =
         fmu->fmi == 2
             ? ((Direction2)function)(fmu->instance, fmu->rates, n, x->seeded, n_seeded, x->seed, x->gain)
             : ((Direction3)function)(fmu->instance, fmu->rates, n, x->seeded, n_seeded, x->seed, n_seeded, x->gain, n);
-    return judge(x, FMU_GET_DIRECTIONAL_DERIVATIVE, status);
+    return judge_call(x, FMU_GET_DIRECTIONAL_DERIVATIVE, status);
 }
 
 /* Tell the FMU that a step is accepted; it may want an event, or the end. */
@@ -109,7 +109,7 @@ static Answer complete_step(Exchange *x, bool *wants_event, bool *wants_end) {
     if (!x->fmu.completes) return ANSWERED;
     const Function function = x->fmu.functions[FMU_COMPLETE_STEP];
     Status status;
-    tell(x, FMU_COMPLETE_STEP);
+    note_call(x, FMU_COMPLETE_STEP);
     if (x->fmu.fmi == 2) {
         int event = 0, end = 0;
         status = ((Complete2)function)(x->fmu.instance, x->no_return, &event, &end);
@@ -117,7 +117,7 @@ static Answer complete_step(Exchange *x, bool *wants_event, bool *wants_end) {
     } else {
         status = ((Complete3)function)(x->fmu.instance, x->no_return, wants_event, wants_end);
     }
-    return judge(x, FMU_COMPLETE_STEP, status);
+    return judge_call(x, FMU_COMPLETE_STEP, status);
 }
 
 /* Update the discrete states once. */
@@ -125,7 +125,7 @@ static Answer update_once(Exchange *x, EventInfo *info) {
     const Function function = x->fmu.functions[FMU_UPDATE];
     Status status;
     *info = (EventInfo){0};
-    tell(x, FMU_UPDATE);
+    note_call(x, FMU_UPDATE);
     if (x->fmu.fmi == 2) {
         status = ((Update2)function)(x->fmu.instance, info);
     } else {
@@ -137,5 +137,5 @@ static Answer update_once(Exchange *x, EventInfo *info) {
     x->m.next = info->defined ? info->next : INFINITY;
     x->m.moved |= info->states != 0;
     x->m.renominal |= info->nominals != 0;
-    return judge(x, FMU_UPDATE, status);
+    return judge_call(x, FMU_UPDATE, status);
 }

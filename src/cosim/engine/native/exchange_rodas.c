@@ -90,8 +90,8 @@ static Answer add_all(Exchange *x) {
     return answer;
 }
 
-/* The Jacobian and the derivative by time at the beginning of a step, where the FMU is. The states are taken by colours,
- * now and then by themselves, to see whether that is right. */
+/* The Jacobian and the derivative by time at the beginning of a step, where the FMU is. The states are taken by
+ * colours, now and then by themselves, to see whether that is right. */
 static Answer linearise(Exchange *x) {
     const int n = (int)x->fmu.n_states;
     Answer answer = ANSWERED;
@@ -124,7 +124,7 @@ static Answer linearise(Exchange *x) {
 static Answer begin_step(Exchange *x) {
     Moment *m = &x->m;
     Answer answer = ANSWERED;
-    if (!m->placed) answer = place(x, m->front, x->x);
+    if (!m->placed) answer = put(x, m->front, x->x);
     if (answer == ANSWERED && !m->rated) answer = rates_here(x, x->f);
     m->t = m->front;
     memcpy(x->start, x->x, (size_t)x->fmu.n_states * sizeof(double));
@@ -141,7 +141,7 @@ static void interpolate(const Exchange *x, double theta, double *states) {
 }
 
 /* The largest of these errors relative to the tolerance; infinite if one is not a number. */
-static double norm(Exchange *x, const double *error) {
+static double norm_of(Exchange *x, const double *error) {
     double largest = 0.0;
     for (int i = 0; i < (int)x->fmu.n_states; i++) {
         const double size = x->nominal[i] + fmax(fabs(x->start[i]), fabs(x->end[i]));
@@ -155,7 +155,7 @@ static double norm(Exchange *x, const double *error) {
     return largest;
 }
 
-/* How far the dense output is from satisfying the equations at one point where no stage looks, as in the FMUs' solver. */
+/* How far the dense output is from satisfying the equations where no stage looks, as in the FMUs' solver. */
 static Answer defect(Exchange *x, double h, double *error) {
     static const double at = 0.2;
     static const double slopes[RODAS_DENSE] = {1.0 - 2.0 * 0.2, 2.0 * 0.2 - 3.0 * 0.04, 3.0 * 0.04 - 4.0 * 0.008};
@@ -169,7 +169,7 @@ static Answer defect(Exchange *x, double h, double *error) {
         x->rates[i] = (x->rates[i] - slope / h) / RODAS_GAMMA;
     }
     lu_apply(n, x->W, x->pivots, x->rates, x->trial);
-    *error = norm(x, x->trial);
+    *error = norm_of(x, x->trial);
     return ANSWERED;
 }
 
@@ -196,7 +196,7 @@ static Answer factorise(Exchange *x, double h) {
 }
 
 /* Try the step h; may be repeated. The error is at most 1 if acceptable. */
-static Answer attempt(Exchange *x, double h, double *error) {
+static Answer attempt_step(Exchange *x, double h, double *error) {
     const int n = (int)x->fmu.n_states;
     const size_t size = (size_t)n * sizeof(double);
     x->m.h = h;
@@ -222,7 +222,7 @@ static Answer attempt(Exchange *x, double h, double *error) {
         solve_stage(x, stage, h, x->rates);
     }
     for (int i = 0; i < n; i++) x->end[i] += x->K[RODAS_STAGES - 1][i];
-    *error = norm(x, x->K[RODAS_STAGES - 1]);
+    *error = norm_of(x, x->K[RODAS_STAGES - 1]);
     if (*error > 1.0) return ANSWERED;
     for (int k = 0; k < RODAS_DENSE; k++) {
         for (int i = 0; i < n; i++) {

@@ -29,10 +29,10 @@ static void take_over(const Exchange *x, Look *to, const Look *from) {
     memcpy(to->z, from->z, (size_t)x->fmu.n_indicators * sizeof(double));
 }
 
-static Answer look(Exchange *x, const Look *at) {
+static Answer look_there(Exchange *x, const Look *at) {
     const bool ends = at->theta == 1.0;
     if (!ends) interpolate(x, at->theta, x->trial);
-    const Answer answer = place(x, ends ? x->until : x->m.t + at->theta * x->m.h, ends ? x->end : x->trial);
+    const Answer answer = put(x, ends ? x->until : x->m.t + at->theta * x->m.h, ends ? x->end : x->trial);
     return answer == ANSWERED ? indicators_here(x, at->z) : answer;
 }
 
@@ -74,7 +74,7 @@ static Answer find_sides(Exchange *x) {
     for (int i = 0; i < n; i++) rate = fmax(rate, fabs(x->f[i]) / (fabs(x->x[i]) + x->nominal[i]));
     const double h = fmax(1e-12 * fmax(1.0, fabs(x->m.front)), fmin(1e-6, sqrt(DBL_EPSILON) / rate));
     for (int i = 0; i < n; i++) x->trial[i] = x->x[i] + h * x->f[i];
-    answer = place(x, x->m.front + h, x->trial);
+    answer = put(x, x->m.front + h, x->trial);
     if (answer == ANSWERED) answer = indicators_here(x, there.z);
     if (answer == ANSWERED) take_sides(x, &there);
     return answer == ENDED ? ENDED : ANSWERED; /* what cannot be evaluated there stays undecided */
@@ -95,7 +95,7 @@ static Answer look_between(Exchange *x, const Look points[CUBIC_POINTS], Look *e
         for (int i = 0; i < n; i++) {
             const Look extremum = look_at(x, MIDDLE, at[i] / (CUBIC_POINTS - 1));
             if (extremum.theta >= earliest->theta) continue;
-            const Answer answer = look(x, &extremum);
+            const Answer answer = look_there(x, &extremum);
             if (answer != ANSWERED) return answer;
             if (any_has_changed(x, &extremum)) take_over(x, earliest, &extremum);
         }
@@ -104,7 +104,8 @@ static Answer look_between(Exchange *x, const Look points[CUBIC_POINTS], Look *e
 }
 
 /* Where a secant has the first change, as a part of the way from before to after. */
-static double guess(const Exchange *x, const Look *before, const Look *after, double weight_before, double weight_after) {
+static double guess_root(const Exchange *x, const Look *before, const Look *after, double weight_before,
+                         double weight_after) {
     double fraction = 1.0;
     for (int64_t k = 0; k < x->fmu.n_indicators; k++) {
         if (!has_changed(x, after, k)) continue;
@@ -117,16 +118,16 @@ static double guess(const Exchange *x, const Look *before, const Look *after, do
 
 /* Shrink (before, after) around the first change, by Illinois steps (Dowell and Jarratt, BIT 11, 1971) that are kept
  * inside by the accuracy sought, every fourth of them a bisection. */
-static Answer narrow(Exchange *x, Look *before, Look *after) {
+static Answer narrow_down(Exchange *x, Look *before, Look *after) {
     const Look middle = look_at(x, MIDDLE, 0.0);
     double weight_before = 1.0, weight_after = 1.0;
     int moved = 0; /* the end that moved last: -1 before, 1 after */
     const double accuracy = fmax(1e-13, 8.0 * DBL_EPSILON * (fabs(x->m.t) + x->m.h)) / x->m.h;
     for (int i = 0; i < MOST_NARROWINGS && after->theta - before->theta > accuracy; i++) {
-        const double fraction = i % 4 == 3 ? 0.5 : guess(x, before, after, weight_before, weight_after);
+        const double fraction = i % 4 == 3 ? 0.5 : guess_root(x, before, after, weight_before, weight_after);
         const double width = after->theta - before->theta, margin = fmin(0.4 * accuracy, 0.5 * width);
         const Look tried = {before->theta + fmin(width - margin, fmax(margin, fraction * width)), middle.z};
-        const Answer answer = look(x, &tried);
+        const Answer answer = look_there(x, &tried);
         if (answer != ANSWERED) return answer;
         if (any_has_changed(x, &tried)) {
             take_over(x, after, &tried);
@@ -147,26 +148,26 @@ static Answer narrow(Exchange *x, Look *before, Look *after) {
  * its end. */
 static Answer find_root(Exchange *x, double *theta) {
     *theta = 2.0;
-    if (x->fmu.n_indicators == 0) return place(x, x->until, x->end);
+    if (x->fmu.n_indicators == 0) return put(x, x->until, x->end);
     Look points[CUBIC_POINTS];
     Look earliest = look_at(x, EARLIEST, 2.0), before = look_at(x, BEFORE, 0.0), after = look_at(x, AFTER, 0.0);
     for (int i = 0; i < CUBIC_POINTS; i++) {
         points[i] = look_at(x, i, LOOK_AT[i]);
         if (i == 0) continue; /* it is the last one of the step before */
-        const Answer answer = look(x, &points[i]);
+        const Answer answer = look_there(x, &points[i]);
         if (answer != ANSWERED) return answer;
         take_sides(x, &points[i]);
         if (earliest.theta > 1.0 && any_has_changed(x, &points[i])) take_over(x, &earliest, &points[i]);
     }
     Answer answer = look_between(x, points, &earliest);
     if (answer != ANSWERED) return answer;
-    if (earliest.theta > 1.0) return x->m.now == x->until ? ANSWERED : place(x, x->until, x->end);
+    if (earliest.theta > 1.0) return x->m.now == x->until ? ANSWERED : put(x, x->until, x->end);
     take_over(x, &after, &earliest);
     take_over(x, &before, &points[0]);
     for (int i = 1; i < CUBIC_POINTS && points[i].theta < after.theta; i++) {
         if (!any_has_changed(x, &points[i])) take_over(x, &before, &points[i]);
     }
-    answer = narrow(x, &before, &after);
+    answer = narrow_down(x, &before, &after);
     *theta = after.theta;
     return answer;
 }

@@ -33,9 +33,9 @@ EXPORT Status cosim_exchange_GetFMUState(void *exchange, void **state) {
     Exchange *x = exchange;
     Saved *saved = *state ? *state : new_state(x);
     if (!saved) return no_memory(x);
-    tell(x, FMU_GET_STATE);
+    note_call(x, FMU_GET_STATE);
     const Status status = ((OfStatePlace)x->fmu.functions[FMU_GET_STATE])(x->fmu.instance, &saved->fmu);
-    if (judge(x, FMU_GET_STATE, status) != ANSWERED) {
+    if (judge_call(x, FMU_GET_STATE, status) != ANSWERED) {
         if (!*state) free(saved);
         return status;
     }
@@ -48,9 +48,9 @@ EXPORT Status cosim_exchange_GetFMUState(void *exchange, void **state) {
 EXPORT Status cosim_exchange_SetFMUState(void *exchange, void *state) {
     Exchange *x = exchange;
     const Saved *saved = state;
-    tell(x, FMU_SET_STATE);
+    note_call(x, FMU_SET_STATE);
     const Status status = ((OfState)x->fmu.functions[FMU_SET_STATE])(x->fmu.instance, saved->fmu);
-    if (judge(x, FMU_SET_STATE, status) != ANSWERED) return status;
+    if (judge_call(x, FMU_SET_STATE, status) != ANSWERED) return status;
     x->m = saved->m;
     memcpy(x->kept, saved->kept, x->n_kept * sizeof(double));
     x->trouble = (Trouble){0};
@@ -61,21 +61,21 @@ EXPORT Status cosim_exchange_FreeFMUState(void *exchange, void **state) {
     Exchange *x = exchange;
     Saved *saved = *state;
     if (!saved) return 0;
-    tell(x, FMU_FREE_STATE);
+    note_call(x, FMU_FREE_STATE);
     const Status status = ((OfStatePlace)x->fmu.functions[FMU_FREE_STATE])(x->fmu.instance, &saved->fmu);
     free(saved);
     *state = NULL;
-    judge(x, FMU_FREE_STATE, status);
+    judge_call(x, FMU_FREE_STATE, status);
     return status;
 }
 
 EXPORT Status cosim_exchange_SerializedFMUStateSize(void *exchange, void *state, size_t *size) {
     Exchange *x = exchange;
-    tell(x, FMU_STATE_SIZE);
+    note_call(x, FMU_STATE_SIZE);
     const Status status =
         ((SizeOf)x->fmu.functions[FMU_STATE_SIZE])(x->fmu.instance, ((const Saved *)state)->fmu, size);
     *size += saved_size(x);
-    judge(x, FMU_STATE_SIZE, status);
+    judge_call(x, FMU_STATE_SIZE, status);
     return status;
 }
 
@@ -86,10 +86,10 @@ EXPORT Status cosim_exchange_SerializeFMUState(void *exchange, void *state, uint
     if (size < own) return FAILED + 1;
     memcpy(bytes, state, own);
     memset(bytes + offsetof(Saved, fmu), 0, sizeof(void *));
-    tell(x, FMU_SERIALIZE);
+    note_call(x, FMU_SERIALIZE);
     const Serialize function = (Serialize)x->fmu.functions[FMU_SERIALIZE];
     const Status status = function(x->fmu.instance, ((const Saved *)state)->fmu, bytes + own, size - own);
-    judge(x, FMU_SERIALIZE, status);
+    judge_call(x, FMU_SERIALIZE, status);
     return status;
 }
 
@@ -102,10 +102,10 @@ EXPORT Status cosim_exchange_DeserializeFMUState(void *exchange, const uint8_t *
     void *const fmu = saved->fmu;
     memcpy(saved, bytes, own);
     saved->fmu = fmu;
-    tell(x, FMU_DESERIALIZE);
+    note_call(x, FMU_DESERIALIZE);
     const Deserialize function = (Deserialize)x->fmu.functions[FMU_DESERIALIZE];
     const Status status = function(x->fmu.instance, bytes + own, size - own, &saved->fmu);
-    if (judge(x, FMU_DESERIALIZE, status) != ANSWERED && !*state) {
+    if (judge_call(x, FMU_DESERIALIZE, status) != ANSWERED && !*state) {
         free(saved);
         return status;
     }

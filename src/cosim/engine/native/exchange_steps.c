@@ -38,7 +38,7 @@ static Answer too_small(Exchange *x, double h, Answer last) {
 
 /* What the solver's step says of the step h that was tried: whether it and its indicators can be had. */
 static Answer try_step(Exchange *x, double h, double *error, double *theta) {
-    Answer answer = attempt(x, h, error);
+    Answer answer = attempt_step(x, h, error);
     if (answer != ANSWERED || *error > 1.0) return answer;
     answer = find_root(x, theta);
     if (answer != ANSWERED || *theta <= 1.0) return answer;
@@ -120,15 +120,15 @@ static bool take_step(Exchange *x, double target) {
 }
 
 /* Put the FMU to t, within the solver's last step. */
-static bool show(Exchange *x, double t) {
+static bool show_within(Exchange *x, double t) {
     interpolate(x, (t - x->m.t) / x->m.h, x->trial);
-    return place(x, t, x->trial) == ANSWERED;
+    return put(x, t, x->trial) == ANSWERED;
 }
 
 /* Put the FMU to the front, from where it goes on. */
 static bool show_front(Exchange *x) {
     if (x->m.placed) return true;
-    if (place(x, x->m.front, x->x) != ANSWERED) return false;
+    if (put(x, x->m.front, x->x) != ANSWERED) return false;
     x->m.placed = true;
     return true;
 }
