@@ -236,14 +236,34 @@ MODELS = {
 }
 
 
-def build(model: Model, fmi: int, folder: Path, *, variable_steps: bool = True, defines: tuple[str, ...] = ()) -> Path:
-    """Compile and pack a model for FMI 2 or 3; return the path of the FMU. It may claim to take equal steps only."""
+def build(
+    model: Model,
+    fmi: int,
+    folder: Path,
+    *,
+    variable_steps: bool = True,
+    defines: tuple[str, ...] = (),
+    saves: bool = False,
+) -> Path:
+    """Compile and pack a model for FMI 2 or 3; return the path of the FMU.
+
+    It may claim to take equal steps only, and to save its state, in memory and as bytes.
+    """
     name = model.source
     library = folder / f"{name}{fmi}{fmpy.sharedLibraryExtension}"
     sources = [str(HERE / f"{name}.c"), str(HERE / "stubs.c"), "-lm"]
     binary = ["-DBINARY"] if any(variable.type == "Binary" for variable in model.variables) else []
     exchange = ["-DEXCHANGE"] if model.states is not None else []
-    defined = [*binary, *exchange, f"-DFMI={fmi}", f"-I{FMI_HEADERS}", f"-I{HERE}", *(f"-D{one}" for one in defines)]
+    saving = ["-DSAVES"] if saves else []
+    defined = [
+        *saving,
+        *binary,
+        *exchange,
+        f"-DFMI={fmi}",
+        f"-I{FMI_HEADERS}",
+        f"-I{HERE}",
+        *(f"-D{one}" for one in defines),
+    ]
     subprocess.run([*_compiler(), *_CFLAGS, *defined, *sources, "-o", str(library)], check=True)
     platform = fmpy.platform if fmi == 2 else fmpy.platform_tuple
     path = folder / f"{name}{fmi}.fmu"
@@ -251,6 +271,10 @@ def build(model: Model, fmi: int, folder: Path, *, variable_steps: bool = True, 
         text = description(model, fmi)
         if not variable_steps:
             text = text.replace('canHandleVariableCommunicationStepSize="true"', "")
+        if saves:
+            state = "FMUstate" if fmi == 2 else "FMUState"
+            claims = f'canGetAndSet{state}="true" canSerialize{state}="true" '
+            text = text.replace("<CoSimulation ", f"<CoSimulation {claims}")
         archive.writestr("modelDescription.xml", text)
         archive.write(library, f"binaries/{platform}/{name}{fmpy.sharedLibraryExtension}")
     return path

@@ -268,3 +268,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean 
     return (fmi3Status)status;
 }
 #endif
+
+#ifdef SAVES
+#include "saves.h"
+#endif

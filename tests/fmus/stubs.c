@@ -11,13 +11,15 @@
 #define STUB(name) EXPORT int name(void) { return 3; }
 
 #if FMI == 2
-#ifndef CHECKED
+#if !defined CHECKED && !defined SAVES
 STUB(fmi2GetFMUstate)
 STUB(fmi2SetFMUstate)
 STUB(fmi2FreeFMUstate)
 STUB(fmi2SerializedFMUstateSize)
 STUB(fmi2SerializeFMUstate)
 STUB(fmi2DeSerializeFMUstate)
+#endif
+#ifndef CHECKED
 STUB(fmi2GetDirectionalDerivative)
 STUB(fmi2GetRealOutputDerivatives)
 #endif
@@ -66,13 +68,15 @@ STUB(fmi3GetClock)
 STUB(fmi3SetClock)
 STUB(fmi3GetNumberOfVariableDependencies)
 STUB(fmi3GetVariableDependencies)
-#ifndef CHECKED
+#if !defined CHECKED && !defined SAVES
 STUB(fmi3GetFMUState)
 STUB(fmi3SetFMUState)
 STUB(fmi3FreeFMUState)
 STUB(fmi3SerializedFMUStateSize)
 STUB(fmi3SerializeFMUState)
 STUB(fmi3DeserializeFMUState)
+#endif
+#ifndef CHECKED
 STUB(fmi3GetDirectionalDerivative)
 STUB(fmi3GetAdjointDerivative)
 STUB(fmi3GetOutputDerivatives)

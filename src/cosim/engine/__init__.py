@@ -1,6 +1,7 @@
 """Co-simulation of FMUs: sampled components act at their own instants, without delay; the others run in between."""
 
 from cosim.engine._arguments import LEAST_TOLERANCE, Algorithm
+from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._coupling_error import EXACT
 from cosim.engine._explain import explain_timing
 from cosim.engine._fault import KINDS as FAULT_KINDS
@@ -19,6 +20,7 @@ __all__ = [
     "LEAST_TOLERANCE",
     "Algorithm",
     "Channel",
+    "Checkpoint",
     "Component",
     "Connection",
     "Fault",

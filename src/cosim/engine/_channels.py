@@ -50,7 +50,8 @@ class Line:
 class Schedule:
     """The changes of all hold channels and the corners of the linear ones, as instants in rising order.
 
-    ``next`` is the time [s] of the first change that was not yet applied, infinite after the last.
+    ``next`` is the time [s] of the first change that was not yet applied, infinite after the last; ``position`` is how
+    many were applied.
     """
 
     def __init__(self, holds: Sequence[tuple[Channel, int]], lines: Sequence[Line]) -> None:
@@ -60,15 +61,23 @@ class Schedule:
             changes += [(time, slot, float(value)) for time, value in zip(channel.times, channel.values, strict=True)]
         corners = [(time, -1, 0.0) for line in lines for time in line.times]
         self.changes = sorted(changes + corners, key=lambda change: change[0])
-        self._position = 0
-        self.next = self.changes[0][0] if self.changes else math.inf
+        self.position = 0
+        self._look()
+
+    def skip(self, t: float) -> None:
+        """Take all changes up to t [s] as applied, and no others."""
+        self.position = bisect_right(self.changes, t + SAME_INSTANT, key=lambda change: change[0])
+        self._look()
+
+    def _look(self) -> None:
+        ended = self.position == len(self.changes)
+        self.next = math.inf if ended else self.changes[self.position][0]
 
     def apply(self, t: float, values: array[float]) -> None:
         """Put all changes up to t [s], and not yet applied, into the signals; of two at one time the second stays."""
         while self.next <= t + SAME_INSTANT:
-            _, slot, value = self.changes[self._position]
+            _, slot, value = self.changes[self.position]
             if slot >= 0:
                 values[slot] = value
-            self._position += 1
-            ended = self._position == len(self.changes)
-            self.next = math.inf if ended else self.changes[self._position][0]
+            self.position += 1
+            self._look()

@@ -7,9 +7,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cosim.engine._calls import Site
+from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._initialize import initialize
 from cosim.engine._instance import CallError, Instance
 from cosim.engine._instances import instantiate
@@ -19,7 +20,9 @@ from cosim.engine._native import run_native
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Plan, make_plan, roles_of
 from cosim.engine._record import Record, failure_message
+from cosim.engine._resume import NotWrittenError, Saving, apply, restore, save
 from cosim.engine._role import Role
+from cosim.engine._setup import Setting
 from cosim.engine._system import Component, System
 from cosim.errors import FmuError
 
@@ -31,6 +34,7 @@ class Job:
     """What is to be simulated, checked: times in s, ``step`` that of the Jacobi algorithm, None for the default one.
 
     The default one steps continuous components in so many ``parts`` from instant to instant.
+    ``saving`` is None if nothing is saved and the run begins at 0.
     """
 
     system: System
@@ -39,15 +43,32 @@ class Job:
     tolerance: float
     step: float | None = None
     parts: int = 1
+    saving: Saving | None = None
+
+    @property
+    def settings(self) -> dict[str, Setting]:
+        """What has to be the same where a run goes on from a checkpoint, besides the system."""
+        algorithm = "gauss-seidel" if self.step is None else "jacobi"
+        return {
+            "output_interval": self.output_interval,
+            "tolerance": self.tolerance,
+            "algorithm": algorithm,
+            "step": self.step,
+            "parts": self.parts,
+        }
 
 
 @dataclass
 class Ending:
-    """How a run ended: ``statistics`` as in ``Result``; ``message`` says why it ended before its time."""
+    """How a run ended: ``statistics`` as in ``Result``; ``message`` says why it ended before its time.
+
+    ``checkpoints`` are those that were kept in memory.
+    """
 
     statistics: dict[str, object]
     message: str | None = None
     interrupted: bool = False
+    checkpoints: list[Checkpoint] = field(default_factory=list)
 
 
 def loop_name() -> str:
@@ -102,30 +123,84 @@ def _claimed(component: Component) -> Iterator[None]:
 
 
 def execute(job: Job, plan: Plan, record: Record, progress: Callable[[float], None] | None) -> Ending:
-    """Initialise and simulate; the rows are in ``record``, whatever happens.
+    """Initialise, or go on from a checkpoint, and simulate; the rows are in ``record``, whatever happens.
 
-    Raises InputError (FmuError) if a component refuses its parameters.
+    Raises InputError (FmuError) if a component refuses its parameters, or if the checkpoint does not fit.
     """
-    library = native_library(record.loop)
-    started = time.perf_counter()
+    clock = Clock()
+    ending = Ending({})
+    broken: Instance | None = None
     try:
-        for component in job.system.components:
-            participant = next(p for p in (*plan.continuous, *plan.discrete) if p.instance.name == component.name)
-            participant.instance.set_values(parameters_of(component))
-        initialize(plan, job.tolerance, job.stop)
-        started = time.perf_counter()
-        if library is not None:
-            run_native(library, plan, record, job.step, progress, job.parts)
-        elif job.step is not None:
-            run_jacobi(plan, record, job.step, progress)
-        else:
-            run(plan, record, progress, job.parts)
+        begin(job, plan, record)
+        clock.start()
+        saving = job.saving
+        for at in saving.at if saving else ():
+            simulate_to(at, job, plan, record, progress)
+            clock.stop()
+            assert saving is not None
+            ending.checkpoints.append(save(plan, record, job.system, job.settings, saving, at))
+            clock.start()
+        simulate_to(math.inf, job, plan, record, progress)
     except CallError as failure:
-        message = failure_message(failure, record)
-        return Ending(_statistics(plan, record, started, failure.instance), message)
+        broken = failure.instance
+        ending.message = failure_message(failure, record)
+    except NotWrittenError as failure:
+        ending.message = f"the simulation ended at t = {record.now:.9g} s: {failure}"
     except KeyboardInterrupt:
-        return Ending(_statistics(plan, record, started), interruption_message(record), interrupted=True)
-    return Ending(_statistics(plan, record, started))
+        ending.message, ending.interrupted = interruption_message(record), True
+    clock.stop()
+    ending.statistics = statistics(plan, record, clock.seconds, broken)
+    if job.saving and job.saving.resume:
+        ending.statistics["resumed_at_s"] = job.saving.resume.time
+    return ending
+
+
+def begin(job: Job, plan: Plan, record: Record) -> None:
+    """Bring a plan with new instances to where the run begins; raises as ``execute`` does, and CallError."""
+    saving = job.saving
+    if saving and saving.resume:
+        restore(saving.resume, plan, record)
+        apply(saving.parameters or {}, plan, record, job.step)
+        return
+    for component in job.system.components:
+        participant = next(p for p in (*plan.continuous, *plan.discrete) if p.instance.name == component.name)
+        participant.instance.set_values(parameters_of(component))
+    horizon = saving.horizon if saving else job.stop
+    initialize(plan, job.tolerance, horizon if math.isfinite(horizon) else None)
+
+
+def simulate_to(
+    pause: float, job: Job, plan: Plan, record: Record, progress: Callable[[float], None] | None = None
+) -> None:
+    """Go on to the first communication point at or after ``pause`` [s], or to the end; raises CallError."""
+    if record.count == len(record.grid):
+        return
+    library = native_library(record.loop)
+    if library is not None:
+        run_native(library, plan, record, job.step, progress, job.parts, pause)
+    elif job.step is not None:
+        run_jacobi(plan, record, job.step, progress, pause)
+    else:
+        run(plan, record, progress, job.parts, pause)
+
+
+class Clock:
+    """Adds up the wall time [s] between starts and stops."""
+
+    def __init__(self) -> None:
+        """Stand still."""
+        self.seconds = 0.0
+        self._since: float | None = None
+
+    def start(self) -> None:
+        """Go on."""
+        self._since = time.perf_counter()
+
+    def stop(self) -> None:
+        """Stand still, if it does not."""
+        if self._since is not None:
+            self.seconds += time.perf_counter() - self._since
+            self._since = None
 
 
 def interruption_message(record: Record) -> str:
@@ -133,8 +208,8 @@ def interruption_message(record: Record) -> str:
     return f"the simulation was interrupted at t = {record.now:.9g} s"
 
 
-def _statistics(plan: Plan, record: Record, started: float, broken: Instance | None = None) -> dict[str, object]:
-    wall = time.perf_counter() - started
+def statistics(plan: Plan, record: Record, wall: float, broken: Instance | None = None) -> dict[str, object]:
+    """Return what is counted, as in ``Result``; ``wall`` [s] is the time of the loop."""
     participants = [*plan.discrete, *plan.continuous]
     fixed = {p.instance.name: p.period for p in plan.continuous if p.due < math.inf}
     return {

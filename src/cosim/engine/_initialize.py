@@ -11,8 +11,8 @@ from cosim.engine._role import Role
 _MOST_PASSES = 50
 
 
-def initialize(plan: Plan, tolerance: float, stop: float) -> None:
-    """Bring all components to t = 0, their connections fulfilled.
+def initialize(plan: Plan, tolerance: float, stop: float | None) -> None:
+    """Bring all components to t = 0, their connections fulfilled; ``stop`` [s] is None if the end is not known.
 
     Only continuous components are told the stop time: one that is sampled at stop must be allowed to step past it.
     """
@@ -42,7 +42,7 @@ def initialize(plan: Plan, tolerance: float, stop: float) -> None:
         participant.read()
 
 
-def _enter(participant: Participant, tolerance: float, stop: float) -> None:
+def _enter(participant: Participant, tolerance: float, stop: float | None) -> None:
     continuous = participant.role is Role.CONTINUOUS
     participant.instance.enter_initialization(tolerance, stop if continuous else None)
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Callable, Sequence
 from ctypes import byref
+from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Literal, get_args
 
 from cosim.engine._board import Board
@@ -13,6 +16,7 @@ from cosim.engine._calls import UNLOADING, Site
 from cosim.engine._execution import Ending, Job, execute, instantiated
 from cosim.engine._library import native_library, preload
 from cosim.engine._record import Record
+from cosim.engine._resume import written
 from cosim.engine._structures import NOWHERE
 from cosim.engine._supervisor import Limits, Supervisor
 from cosim.engine._system import System
@@ -47,8 +51,13 @@ def run_isolated(job: Job, width: int, loop: str, limits: Limits, progress: Prog
 
     A process that dies, or hangs, makes an ending with a message, too. Raises what a run here would raise.
     """
-    record, ending = supervised(_simulate, job, width, loop, limits, progress)
-    assert isinstance(ending, Ending)
+    saving = job.saving
+    with tempfile.TemporaryDirectory(prefix="cosim-") as folder:
+        if saving and saving.at and saving.folder is None:
+            saving = replace(saving, folder=Path(folder))
+        record, ending = supervised(_simulate, replace(job, saving=saving), width, loop, limits, progress)
+        assert isinstance(ending, Ending)
+        ending.checkpoints = written(saving, record.now) if saving else []
     return record, ending
 
 
@@ -106,4 +115,6 @@ def _serve(memory: memoryview, answer: Answer, task: Task, job: Job, loop: str, 
 
 def _simulate(job: Job, record: Record, sites: Sequence[Site], progress: Progress, answer: Answer) -> None:
     with instantiated(job, sites) as plan:
-        answer(execute(job, plan, record, progress))
+        ending = execute(job, plan, record, progress)
+        ending.checkpoints = []  # they are in files
+        answer(ending)

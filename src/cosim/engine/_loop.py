@@ -23,10 +23,13 @@ PROGRESS_INTERVAL = 0.05
 """Time between two calls of ``progress`` [s]."""
 
 
-def run(plan: Plan, record: Record, progress: Callable[[float], None] | None, parts: int = 1) -> None:
+def run(
+    plan: Plan, record: Record, progress: Callable[[float], None] | None, parts: int = 1, pause: float = inf
+) -> None:
     """Simulate over the grid of ``record``, the continuous components in ``parts`` steps from instant to instant.
 
-    Raises CallError, the record holding what was computed until then.
+    It goes on from where the plan and the record are, and returns at the first communication point at or after
+    ``pause`` [s], its row recorded. Raises CallError, the record holding what was computed until then.
     """
     values = plan.values
     grid = record.grid.tolist()
@@ -35,21 +38,19 @@ def run(plan: Plan, record: Record, progress: Callable[[float], None] | None, pa
     timed = [*discrete, *(p for p in plan.continuous if p.due < inf)]
     undated = [p for p in discrete if p.role is Role.EVENT]
     shown = 0.0
-    now = 0.0
-    record.exchanges = 1
-    plan.faults.arrive(now)
-    exchange(plan, now, recording=True)
-    plan.faults.settle(now)
+    now = record.now
+    if not record.exchanges:
+        record.exchanges = 1
+        plan.faults.arrive(now)
+        exchange(plan, now, recording=True)
+        plan.faults.settle(now)
     while True:
         if now >= grid[record.count] - SAME_INSTANT:
-            for participant in discrete:
-                if participant.stale:
-                    participant.read()
-            if isnan(sum(values)):
-                check_numbers(plan)
-            record.put(values)
+            _put_row(plan, record)
             if record.count == len(grid):
                 break
+        if now >= pause - SAME_INSTANT:
+            return
         row = grid[record.count]
         due = min([p.due for p in timed], default=inf)
         change = min(schedule.next, plan.faults.clock.next)
@@ -82,24 +83,40 @@ def run(plan: Plan, record: Record, progress: Callable[[float], None] | None, pa
         progress(stop)
 
 
-def run_jacobi(plan: Plan, record: Record, step: float, progress: Callable[[float], None] | None) -> None:
-    """Simulate in macro steps of ``step`` [s], all components stepped with what all have put out at its beginning."""
+def _put_row(plan: Plan, record: Record) -> None:
+    """Record a row, for which discrete components put out what nobody takes, too."""
+    for participant in plan.discrete:
+        if participant.stale:
+            participant.read()
+    if isnan(sum(plan.values)):
+        check_numbers(plan)
+    record.put(plan.values)
+
+
+def run_jacobi(
+    plan: Plan, record: Record, step: float, progress: Callable[[float], None] | None, pause: float = inf
+) -> None:
+    """Simulate in macro steps of ``step`` [s], all components stepped with what all have put out at its beginning.
+
+    It begins and pauses as ``run`` does.
+    """
     values = plan.values
     grid = record.grid.tolist()
     shown = 0.0
-    macro_steps = 0
-    record.exchanges = 1
-    plan.faults.arrive(0.0)
-    plan.schedule.apply(0.0, values)
-    plan.faults.settle(0.0)
+    if not record.exchanges:
+        record.exchanges = 1
+        plan.faults.arrive(0.0)
+        plan.schedule.apply(0.0, values)
+        plan.faults.settle(0.0)
     while True:
         if record.now >= grid[record.count] - SAME_INSTANT:
             record.put(values)
             if record.count == len(grid):
                 break
+        if record.now >= pause - SAME_INSTANT:
+            return
         now = record.now
-        macro_steps += 1
-        t = macro_steps * step
+        t = record.exchanges * step
         for line in plan.lines:
             values[line.middle] = line.at(now + 0.5 * step)
         plan.faults.begin_step(now, 0.0)

@@ -6,6 +6,7 @@ import ctypes
 from array import array
 from collections.abc import Callable
 from ctypes import byref
+from math import inf
 
 from cosim.engine._instance import CallError
 from cosim.engine._interrupt import DeferredInterrupt
@@ -15,7 +16,7 @@ from cosim.engine._plan import Plan
 from cosim.engine._record import Record
 from cosim.engine._tables import Tables
 
-_UNFINISHED, _FINISHED = 0, 1
+_UNFINISHED, _FINISHED, _BROKEN, _PAUSED = range(4)
 (
     _CALL_FAILED,
     _ASKS_TO_END,
@@ -40,9 +41,10 @@ def run_native(
     step: float | None,
     progress: Callable[[float], None] | None,
     parts: int = 1,
+    pause: float = inf,
 ) -> None:
     """Do what ``run`` does, or ``run_jacobi`` if there is a ``step`` [s], with the same numbers, bit for bit."""
-    tables = Tables(plan, record, step, parts)
+    tables = Tables(plan, record, step, parts, pause)
     engine = tables.engine
     watched = any(participant.instance.site.watched for participant in (*plan.discrete, *plan.continuous))
     go_on = library.cosim_run_watched if watched else library.cosim_run
@@ -62,9 +64,9 @@ def run_native(
     finally:
         tables.take_back()
         library.cosim_free_texts(byref(engine))
-    if outcome != _FINISHED:
+    if outcome == _BROKEN:
         _raise(tables, plan)
-    if progress is not None:
+    if progress is not None and outcome == _FINISHED:
         progress(float(record.grid[-1]))
 
 

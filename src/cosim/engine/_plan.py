@@ -14,12 +14,14 @@ import math
 from array import array
 from collections.abc import Callable
 from ctypes import addressof, c_char_p, c_size_t
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from cosim.engine._channels import Line, Schedule, first_value
+from cosim.engine._fault_memory import FaultMemory
 from cosim.engine._fault_signals import Source, faulty_inputs
 from cosim.engine._instance import Instance
+from cosim.engine._memory import Memory
 from cosim.engine._order import continuous_order, discrete_order
 from cosim.engine._participant import Binaries, Buffer, InputGroup, OutputGroup, Participant
 from cosim.engine._role import Role, fixed_step_of, period_of, role_of
@@ -36,7 +38,9 @@ class Plan:
     ``columns`` maps "component.variable" to its signal, in the order of the result; ``ends`` are the (component,
     variable) of the recorded signals, ``variables`` describes the columns. The signals from ``first_text`` on are those
     of the texts, which are in ``texts``. ``coupled`` tells whether continuous
-    components drive each other or follow a linear channel, so that every output point is an exchange.
+    components drive each other or follow a linear channel, so that every output point is an exchange. ``memory`` has
+    by name all else that the run's future depends on: what is neither in them, in the signals and inputs, in a
+    participant, in an FMU nor derived from the time is lost at a checkpoint.
     """
 
     values: array[float]
@@ -53,6 +57,7 @@ class Plan:
     coupled: bool
     first_text: int
     texts: dict[int, bytes]
+    memory: dict[str, Memory] = field(default_factory=dict)
 
 
 def roles_of(system: System) -> dict[str, Role]:
@@ -126,6 +131,7 @@ def make_plan(
         coupled=coupled or bool(lines),
         first_text=total + 1,
         texts=present,
+        memory={"faults": FaultMemory(faults)} if faults.inputs else {},
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._fault import Fault
 from cosim.errors import SimulationError
 
@@ -34,6 +35,9 @@ class Result:
     source's signal in its ``unit``, ``relative``, that as a share of the signal's range, ``order``, the power of the
     interval between communication points with which the error falls, and ``target_outputs``, the output of the target
     that is off most. ``error`` is None where ``note`` says that there is none, or why it is not known.
+
+    After a resumed run ``resumed_at_s`` [s] tells from where, all other counts are from 0 on, and ``wall_s`` is that of
+    the rest. ``checkpoints`` are those that ``simulate`` was asked for, as far as it came.
     """
 
     time: NDArray[np.float64]
@@ -44,6 +48,7 @@ class Result:
     complete: bool = True
     message: str | None = None
     faults: tuple[Fault, ...] = ()
+    checkpoints: tuple[Checkpoint, ...] = ()
 
 
 class PartialResultError(SimulationError):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_steps, check_step
 from cosim.engine._calls import Site
+from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._coupling_error import Companion, Estimate, no_estimate
 from cosim.engine._execution import Ending, Job, execute, instantiated, loop_name
 from cosim.engine._fault import Fault
@@ -18,6 +21,7 @@ from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Layout, lay_out
 from cosim.engine._record import Record
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
+from cosim.engine._resume import Saving, check_can_save, check_resume, check_times
 from cosim.engine._role import warn_of_fixed_steps
 from cosim.engine._supervisor import Limits
 from cosim.engine._system import System
@@ -36,6 +40,9 @@ def simulate(
     call_timeout: float = Limits.call,
     memory_limit: float | None = Limits.memory,
     coupling_error: bool = True,
+    checkpoint_at: Sequence[float] = (),
+    checkpoint_to: Path | str | None = None,
+    resume: Checkpoint | None = None,
 ) -> Result:
     """Simulate from 0 to ``stop`` [s] and record every ``output_interval`` [s].
 
@@ -55,6 +62,12 @@ def simulate(
     hangs or ends its process ends that one only; "auto" does so unless this project has built all FMUs here; "never"
     runs it here. There one call of an FMU may take ``call_timeout`` [s], and the process have ``memory_limit`` [bytes],
     by default what the machine has. ``docs/isolation.md`` has the details.
+
+    At each time of ``checkpoint_at`` [s], more exactly at the first communication point that is not earlier, the whole
+    state is saved: ``Result.checkpoints`` has them, and the folder ``checkpoint_to``, if given, gets a file of each as
+    soon as it is made. That changes nothing in the run. ``resume`` goes on from a checkpoint: the result is that of a
+    run that was not interrupted, to the bit. All else must be as it was, but that ``stop`` may be earlier, channels may
+    be others after that time, and tunable parameters others from it on. ``docs/checkpoints.md`` has the details.
 
     The environment variable COSIM_ENGINE chooses the loop: "native" is compiled on first use, "python" gives the same
     numbers, slower, "auto" (the default) is native if there is a library or a compiler, else Python.
@@ -77,6 +90,8 @@ def simulate(
     faults = resolved_faults(system, stop, output_interval)
     layout = lay_out(system)
     job = Job(system, stop, output_interval, tolerance, step)
+    if checkpoint_at or resume is not None:
+        job = replace(job, saving=_saving(job, checkpoint_at, checkpoint_to, resume))
     isolated = is_isolated(isolate, system)
 
     def run(job: Job) -> tuple[Record, Ending]:
@@ -89,7 +104,7 @@ def simulate(
     companion = Companion(job)
     estimate = _estimate(companion, layout, record, ending, run) if coupling_error else no_estimate("not asked for")
     ending.statistics["coupling"] = companion.account(layout, estimate)
-    result = _result(layout, record, ending, faults)
+    result = result_of(layout, record, ending, faults)
     if estimate.interrupted:
         raise SimulationInterrupted("interrupted while the coupling error was estimated, after the run itself", result)
     if ending.interrupted:
@@ -97,6 +112,19 @@ def simulate(
     if ending.message is not None:
         raise PartialResultError(ending.message, result)
     return result
+
+
+def _saving(
+    job: Job, checkpoint_at: Sequence[float], checkpoint_to: Path | str | None, resume: Checkpoint | None
+) -> Saving:
+    folder = None if checkpoint_to is None else Path(checkpoint_to)
+    at = check_times(checkpoint_at, job.stop, None if resume is None else resume.time)
+    if at:
+        check_can_save(job.system.components, in_file=True)
+    if resume is None:
+        return Saving(job.stop, at, folder)
+    parameters = check_resume(resume, job.system, job.settings, job.stop)
+    return Saving(resume.horizon, at, folder, resume, parameters)
 
 
 def _run_here(job: Job, record: Record, progress: Callable[[float], None] | None) -> Ending:
@@ -114,12 +142,15 @@ def _estimate(
     job = companion.job
     if job is None:
         return no_estimate("nothing to tell")
-    fine, second = run(job)
+    if job.saving and job.saving.resume:
+        return no_estimate("the run was resumed, and what had built up before is not known")
+    fine, second = run(replace(job, saving=None))
     ending.statistics["second_wall_s"] = second.statistics.get("wall_s")
     return companion.compare(layout, record, fine, second)
 
 
-def _result(layout: Layout, record: Record, ending: Ending, faults: list[Fault]) -> Result:
+def result_of(layout: Layout, record: Record, ending: Ending, faults: Sequence[Fault]) -> Result:
+    """Return the rows of a record and how it ended."""
     table = record.rows.T if record.count == len(record.grid) else record.rows[: record.count].T.copy()
     columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {}
     for name, slot in layout.columns.items():
@@ -134,4 +165,5 @@ def _result(layout: Layout, record: Record, ending: Ending, faults: list[Fault])
         complete=ending.message is None,
         message=ending.message,
         faults=tuple(faults),
+        checkpoints=tuple(ending.checkpoints),
     )

@@ -158,8 +158,8 @@ class Engine(Structure):
         ),
         *((name, c_int64) for name in ("n_values", "n_recorded", "n_rows", "first_text")),
         *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines", "n_faulty")),
-        *((name, c_int64) for name in ("change", "macro_steps")),
-        ("step", c_double),
+        ("change", c_int64),
+        *((name, c_double) for name in ("step", "pause")),
         *((name, c_int32) for name in ("coupled", "started", "not_a_number", "parts")),
         ("failure", Failure),
     ]

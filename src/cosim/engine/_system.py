@@ -155,15 +155,16 @@ def _claim(driven: set[tuple[str, str]], target: tuple[str, str]) -> None:
 
 
 def _check_whole_arrays(by_name: dict[str, Component], driven: set[tuple[str, str]]) -> None:
-    """Numbers of an array that nothing drives keep their start values; of a Binary there is none to give."""
+    """Numbers of an array that nothing drives keep their start values; texts and Binary have to be given all."""
     for name, variable_name in driven:
         variables = by_name[name].fmu.variables
         array = variables[variable_name].array
-        if array is not None and variables[variable_name].type == "Binary":
+        kind = variables[variable_name].type
+        if array is not None and kind in OPAQUE:
             idle = [v.name for v in variables.values() if v.array == array and (name, v.name) not in driven]
             if idle:
                 missing = ", ".join(dotted((name, element)) for element in idle)
-                raise InputError(f"{name}.{array}: nothing drives {missing}; drive all elements of an array of Binary")
+                raise InputError(f"{name}.{array}: nothing drives {missing}; drive all elements of an array of {kind}")
 
 
 def _check_types(connection: Connection, source: Variable, target: Variable) -> None:

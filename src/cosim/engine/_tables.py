@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from ctypes import Array, addressof, c_double, c_int64, sizeof
+from ctypes import Array, addressof, c_double, c_int64, sizeof, string_at
+from math import inf
 from typing import Any
 
 from cosim.engine import _structures as structures
@@ -15,6 +16,7 @@ from cosim.engine._plan import Plan
 from cosim.engine._record import Record
 from cosim.engine._role import Role
 from cosim.engine._signal_faults import FaultyInput, SignalFault
+from cosim.engine._system import SAME_INSTANT
 from cosim.engine._wire import Wire
 
 _TYPES = {code: number for number, code in enumerate("dfbBhHiIqQ")}
@@ -29,10 +31,11 @@ class Tables:
     counts them. ``engine`` lies in the memory that the record has for it.
     """
 
-    def __init__(self, plan: Plan, record: Record, step: float | None, parts: int = 1) -> None:
-        """Fill in the tables; ``step`` [s] is the macro step of the Jacobi algorithm, None for the default one.
+    def __init__(self, plan: Plan, record: Record, step: float | None, parts: int = 1, pause: float = inf) -> None:
+        """Fill in the tables for a run that goes on from where the plan and the record are, until ``pause`` [s].
 
-        That one steps the continuous components in so many ``parts`` from instant to instant.
+        ``step`` [s] is the macro step of the Jacobi algorithm, None for the default one, which steps the continuous
+        components in so many ``parts`` from instant to instant.
         """
         participants = [*plan.discrete, *plan.continuous]
         self.participants = {participant.instance.site.number: participant for participant in participants}
@@ -49,6 +52,7 @@ class Tables:
         split = len(plan.discrete)
         self._discrete = (structures.Component * split)(*components[:split])
         self._continuous = (structures.Component * len(plan.continuous))(*components[split:])
+        self._texts = (structures.Text * (len(values) - plan.first_text))()
         self.engine = structures.Engine.from_buffer(record.header)
         _fill(
             self.engine,
@@ -59,7 +63,7 @@ class Tables:
             continuous=addressof(self._continuous),
             changes=self._changes(plan.schedule),
             lines=addressof(self._lines),
-            texts=self._keep((structures.Text * (len(values) - plan.first_text))()),
+            texts=addressof(self._texts),
             n_values=len(values),
             first_text=plan.first_text,
             n_recorded=plan.recorded,
@@ -71,9 +75,13 @@ class Tables:
             faulty=addressof(self._faulty),
             n_faulty=len(self._faulty),
             fault_clock=addressof(plan.faults.clock),
+            change=plan.schedule.position,
             step=step or 0.0,
+            pause=pause - SAME_INSTANT,
             coupled=plan.coupled,
             parts=parts,
+            started=record.exchanges > 0,
+            not_a_number=True,  # as far as is known here
         )
 
     def take_back(self) -> None:
@@ -87,6 +95,11 @@ class Tables:
             participant.steps = component.steps
             participant.events = component.events
             participant.in_event_mode = bool(component.in_event_mode)
+            participant.stale = bool(component.stale)
+        self._plan.schedule.skip(self.engine.at.now)
+        for slot, text in enumerate(self._texts, self._plan.first_text):
+            if text.bytes:
+                self._plan.texts[slot] = string_at(text.bytes, text.size)
 
     def make_room(self) -> None:
         """Give more memory to the histories of delayed signals that need it before the next macro step."""
@@ -109,10 +122,14 @@ class Tables:
             period=participant.period,
             due=participant.due,
             time=participant.time,
+            ticks=participant.ticks,
+            steps=participant.steps,
+            events=participant.events,
             fmi=int(instance.fmu.fmi_version[0]),
             role=_ROLES[participant.role],
             number=instance.site.number,
             in_event_mode=participant.in_event_mode,
+            stale=participant.stale,
             plain_step=instance.plain_step,
             n_inputs=len(participant.input_groups),
             n_outputs=_counts(participant.output_groups),

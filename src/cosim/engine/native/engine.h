@@ -218,8 +218,8 @@ typedef struct {
     int64_t n_values, n_recorded, n_rows, first_text;
     int64_t n_discrete, n_continuous, n_changes, n_lines, n_faulty;
     int64_t change;      /* the first that was not yet applied */
-    int64_t macro_steps; /* fixed-step algorithm only */
     double step;         /* macro step; fixed-step algorithm only */
+    double pause;        /* the first communication point at or after it is where to return */
     int32_t coupled;     /* every communication point is an exchange */
     int32_t started;
     int32_t not_a_number; /* an output that has been read is none */
@@ -235,6 +235,6 @@ typedef struct {
     int32_t kind, unused;
 } Fault;
 
-typedef enum { UNFINISHED, FINISHED, BROKEN } Outcome;
+typedef enum { UNFINISHED, FINISHED, BROKEN, PAUSED } Outcome;
 
 #endif

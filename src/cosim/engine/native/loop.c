@@ -105,7 +105,7 @@ static bool go_on(Engine *engine) {
 static bool go_on_jacobi(Engine *engine) {
     Component *const end = engine->continuous + engine->n_continuous;
     const double now = engine->at.now, h = engine->step;
-    const double t = (double)++engine->macro_steps * h;
+    const double t = (double)engine->at.exchanges * h; /* one at 0, and one at the end of each macro step */
     if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
     if (engine->n_faulty > 0) begin_faulty_step(engine, now, 0.0);
     for (Component *component = engine->continuous; component < end; component++) {
@@ -129,7 +129,6 @@ static bool go_on_jacobi(Engine *engine) {
 
 static bool start(Engine *engine) {
     engine->started = true;
-    engine->not_a_number = true; /* has not been looked at yet */
     engine->at.exchanges = 1;
     if (engine->n_faulty > 0) arrive(engine, 0.0);
     if (engine->step > 0.0) apply_changes(engine, 0.0);
@@ -159,6 +158,7 @@ EXPORT int cosim_run(Engine *engine, double limit) {
             if (!put_row(engine)) return BROKEN;
             if (engine->at.row == engine->n_rows) return FINISHED;
         }
+        if (engine->at.now >= engine->pause) return PAUSED;
         if (engine->n_faulty > 0 && !make_room(engine)) return UNFINISHED;
         if (!(jacobi ? go_on_jacobi(engine) : go_on(engine))) return BROKEN;
     }

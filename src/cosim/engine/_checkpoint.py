@@ -1,0 +1,57 @@
+"""A checkpoint: all that is needed to go on from a communication point as if nothing had happened."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.engine._setup import Setup
+from cosim.engine._snapshot import Snapshot
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """The state of a whole run at ``time`` [s], a communication point, after its events.
+
+    ``rows``, shape (number, recorded signals), are those recorded so far. ``setup`` is what
+    was simulated, ``snapshot`` what the engine remembers, ``states`` what each FMU has written down of itself.
+    """
+
+    setup: Setup
+    snapshot: Snapshot
+    states: tuple[bytes, ...] = field(repr=False)
+    rows: NDArray[np.float64] = field(repr=False)
+
+    @property
+    def time(self) -> float:
+        """Where it is [s]."""
+        return self.snapshot.time
+
+    @property
+    def horizon(self) -> float:
+        """Up to where [s] a run may go on from here: the stop time that the FMUs were told, infinite if none."""
+        return self.setup.horizon
+
+    def save(self, path: Path | str) -> Path:
+        """Write it to a file, which is complete or not there, whatever happens; return its path.
+
+        Raises InputError if it cannot be written.
+        """
+        from cosim.engine._checkpoint_file import write
+
+        return write(self, Path(path))
+
+    @classmethod
+    def load(cls, path: Path | str) -> Checkpoint:
+        """Read a file that ``save`` has written; raises InputError for any other, or a damaged one."""
+        from cosim.engine._checkpoint_file import read
+
+        return read(Path(path))
+
+
+def file_name(time: float) -> str:
+    """Return the name of the file for a checkpoint that was asked for at ``time`` [s]: "checkpoint_2.5s.cosim"."""
+    return f"checkpoint_{time:.9g}s.cosim"
