@@ -29,7 +29,8 @@ class Trace:
     """Signals over time: ``time`` [s] of shape (n,), increasing; ``columns`` by name, each of shape (n,).
 
     ``units`` holds the FMI unit of the columns that have one, ``literals`` the names of an enumeration's values
-    1, 2, ..., ``aliases`` the column that stands for a signal whose own name would not find it.
+    1, 2, ..., ``aliases`` the column that stands for a signal whose own name would not find it. ``faulty`` are columns
+    of inputs to which a fault was done: they stand for a signal only if nothing else has its name.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Trace:
     literals: Mapping[str, Sequence[str]] = field(default_factory=dict)
     aliases: Mapping[str, str] = field(default_factory=dict)
     complete: bool = True
+    faulty: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         """Check time and aliases; raises `InputError`."""
@@ -61,7 +63,8 @@ class Trace:
             return self.aliases[signal]
         if signal in self.columns:
             return signal
-        found = [name for name in self.columns if name.rpartition(".")[2] == signal]
+        named = [name for name in self.columns if name.rpartition(".")[2] == signal]
+        found = [name for name in named if name not in self.faulty] or named
         if len(found) > 1:
             raise InputError(
                 f"{self.name}: several columns are called '{signal}': {', '.join(found)}; "
@@ -165,12 +168,13 @@ def trace(
     if isinstance(source, Trace):
         return source
     if isinstance(source, Result):
+        faulty = frozenset(".".join(fault.target) for fault in source.faults)
         return Trace(
-            name or "result", source.time, source.columns, source.units, source.literals, extra, source.complete
+            name or "result", source.time, source.columns, source.units, source.literals, extra, source.complete, faulty
         )
     if isinstance(source, (str, Path)):
         return _read(Path(source), name, extra)
-    return _from_table(name or "table", {str(key): source[key].to_numpy() for key in source.columns}, {}, extra, True)
+    return _from_table(name or "table", {str(key): source[key].to_numpy() for key in source.columns}, {}, extra, {})
 
 
 def _read(path: Path, name: str | None, aliases: dict[str, str]) -> Trace:
@@ -208,7 +212,7 @@ def _from_parquet(path: Path, name: str, aliases: dict[str, str]) -> Trace:
     }
     content = json.loads((table.schema.metadata or {}).get(b"cosim", b"{}"))
     columns = {entry: table.column(entry).to_numpy() for entry in table.column_names}
-    return _from_table(name, columns, literals, aliases, bool(content.get("complete", True)))
+    return _from_table(name, columns, literals, aliases, content)
 
 
 def _from_csv(path: Path, name: str, aliases: dict[str, str]) -> Trace:
@@ -226,7 +230,7 @@ def _from_csv(path: Path, name: str, aliases: dict[str, str]) -> Trace:
             summary = json.loads(beside.read_text(encoding="utf-8"))
         except ValueError as error:
             raise InputError(f"not a JSON document: {error}", file=beside) from error
-    return _from_table(name, columns, summary.get("enumerations", {}), aliases, bool(summary.get("complete", True)))
+    return _from_table(name, columns, summary.get("enumerations", {}), aliases, summary)
 
 
 def _from_table(
@@ -234,9 +238,9 @@ def _from_table(
     table: Mapping[str, NDArray[Any]],
     literals: Mapping[str, Sequence[str]],
     aliases: dict[str, str],
-    complete: bool,
+    summary: Mapping[str, Any],
 ) -> Trace:
-    """Take the units out of the headers, and time out of the columns."""
+    """Take the units out of the headers, and time out of the columns; ``summary`` tells what the run was."""
     columns, units = {}, {}
     for header, values in table.items():
         plain, bracket, unit = header.strip().rpartition(" [")
@@ -256,5 +260,6 @@ def _from_table(
         units,
         named,
         aliases,
-        complete,
+        bool(summary.get("complete", True)),
+        frozenset(fault["target"] for fault in summary.get("faults", [])),
     )

@@ -20,19 +20,23 @@ from cosim.scenario import Scenario, ScenarioWarning, Setting, assemble, read, r
 
 @dataclass(frozen=True)
 class Options:
-    """What wins over the scenario files: what parameter files set, and over that texts ``name=value``."""
+    """What wins over the scenario files: what parameter files set, and over that texts ``name=value``; more faults."""
 
     settings: Sequence[str]
     parameters: Sequence[Setting]
+    faults: Sequence[str] = ()
 
     @classmethod
-    def of(cls, settings: Sequence[str] | None, files: Sequence[Path] | None) -> Options:
+    def of(
+        cls, settings: Sequence[str] | None, files: Sequence[Path] | None, faults: Sequence[str] | None = None
+    ) -> Options:
         """Read the parameter files; raises `InputError`."""
-        return cls(settings or [], [setting for file in files or [] for setting in read_parameters(file)])
+        parameters = [setting for file in files or [] for setting in read_parameters(file)]
+        return cls(settings or [], parameters, faults or [])
 
     def read(self, file: Path) -> Scenario:
         """Read a scenario with them; raises `InputError`."""
-        return read(file, self.settings, self.parameters)
+        return read(file, self.settings, self.parameters, self.faults)
 
 
 @dataclass

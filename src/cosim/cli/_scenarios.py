@@ -31,6 +31,15 @@ def run(
         list[Path] | None,
         typer.Option("--params", metavar="FILE", help="Parameters that cosim calibrate has written. Repeatable."),
     ] = None,
+    faults: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--fault",
+            metavar="TEXT",
+            help="Do a fault to an input, such as 'i_motor bias 0.5 A from 2 s to 5 s', beside those of the file. "
+            "Repeatable.",
+        ),
+    ] = None,
     plots: Plots = True,
     coupling_error: Annotated[
         bool,
@@ -71,7 +80,7 @@ def run(
         prepare(files, isolated, settings or [])
         from cosim.cli._run import Options, explain_files, run_files
 
-        options = Options.of(settings, parameters)
+        options = Options.of(settings, parameters, faults)
         if timing:
             raise typer.Exit(explain_files(files, options, screen, isolated))
         raise typer.Exit(run_files(files, out, options, screen, isolated, plots=plots, coupling_error=coupling_error))

@@ -4,8 +4,10 @@ from cosim.engine._arguments import LEAST_TOLERANCE, Algorithm
 from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._coupling_error import EXACT
 from cosim.engine._explain import explain_timing
+from cosim.engine._fault import FOR_ALL_TYPES as FAULTS_FOR_ALL_TYPES
 from cosim.engine._fault import KINDS as FAULT_KINDS
-from cosim.engine._fault import Fault, FaultKind
+from cosim.engine._fault import RANDOM as RANDOM_FAULTS
+from cosim.engine._fault import Fault, FaultKind, described
 from cosim.engine._fmu import Fmu, Interface
 from cosim.engine._isolation import Isolate
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
@@ -16,8 +18,10 @@ from cosim.engine._variable import Value, Variable
 
 __all__ = [
     "EXACT",
+    "FAULTS_FOR_ALL_TYPES",
     "FAULT_KINDS",
     "LEAST_TOLERANCE",
+    "RANDOM_FAULTS",
     "Algorithm",
     "Channel",
     "Checkpoint",
@@ -35,6 +39,7 @@ __all__ = [
     "System",
     "Value",
     "Variable",
+    "described",
     "explain_timing",
     "role_of",
     "simulate",

@@ -48,6 +48,10 @@ class Fault:
     every: float | None = None
     seed: int = 1
 
+    def check(self, variable: Variable) -> None:
+        """Raise InputError (FmuError for a text) if this cannot be done to an input, the variable."""
+        _check(self, variable)
+
 
 def described(fault: Fault, unit: str | None) -> str:
     """Return a fault in words, its amount in the ``unit`` of the input: "bias 0.5 A from 2 s to 5 s"."""
@@ -62,8 +66,7 @@ def described(fault: Fault, unit: str | None) -> str:
     return " ".join(parts)
 
 
-def check_fault(fault: Fault, variable: Variable) -> None:
-    """Raise InputError (FmuError for a text) if this cannot be done to an input."""
+def _check(fault: Fault, variable: Variable) -> None:
     name = f"fault {'.'.join(fault.target)} {fault.kind}"
     if fault.kind not in KINDS:
         raise InputError(f"{name}: there is no such kind; there are {', '.join(KINDS)}")

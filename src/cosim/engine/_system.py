@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from cosim.engine._fault import Fault, check_fault
+from cosim.engine._fault import Fault
 from cosim.engine._fmu import Fmu
 from cosim.engine._variable import OPAQUE, Value, Variable
 from cosim.errors import FmuError, InputError
@@ -102,7 +102,7 @@ class System:
             _claim(driven, channel.target)
             _check_table(channel, target)
         for fault in self.faults:
-            check_fault(fault, _find(by_name, fault.target, "input"))
+            fault.check(_find(by_name, fault.target, "input"))
 
 
 def dotted(end: tuple[str, str]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.colours import BLACK, BLUE, GREEN, ORANGE, PINK, RED, SKY
-from cosim.engine import Result
+from cosim.engine import Fault, Result, described
 from cosim.errors import InputError
 from cosim.units import compatible, linear_map, parse
 
@@ -24,6 +24,7 @@ _COLOURS = (BLUE, RED, GREEN, PINK, SKY, ORANGE, BLACK)
 _DETAIL_SECONDS = 4.0
 _MOST_LINES = 7
 _MOST_PANELS = 16
+_MOST_WORDS = 4
 _DPI = 110
 
 
@@ -87,7 +88,8 @@ def plot(result: Result, folder: Path, title: str = "") -> list[Path]:
 
     ``overview`` shows the drive or, for a system with other names, everything by unit; ``detail`` its last seconds,
     ``motion`` speeds and angles, ``others`` what has no panel of its own. A figure has at most 16 panels, so that it
-    can be looked at; further ones are left out. Draws nothing for fewer than two rows.
+    can be looked at; further ones are left out. An input with faults is drawn where its name belongs; behind it the
+    time that the faults last is grey. Draws nothing for fewer than two rows.
     """
     if len(result.time) < 2:
         return []
@@ -192,14 +194,15 @@ def _draw(result: Result, axes: list[_Axis], path: Path, title: str, start: floa
         elif axis.panel.title == _SWITCHES:
             _draw_switches(place, time, axis, since)
         else:
-            _draw_lines(place, time, axis, since)
+            _draw_lines(place, time, axis, since, {".".join(fault.target) for fault in result.faults})
         place.set_title(axis.panel.title, loc="left", fontsize=10)
+        _mark_faults(place, result, axis, time)
         place.grid(alpha=0.25)
         place.spines[["top", "right"]].set_visible(False)
         place.tick_params(labelsize=9)
     # The margin keeps a peak at the start, such as an inrush current, off the axis.
     grid[-1].set_xlim(time[0] - 0.005 * (time[-1] - time[0]), time[-1])
-    grid[-1].set_xlabel("time [s]")
+    grid[-1].set_xlabel("time [s]" + _words(result.faults, result))
     if title:
         figure.suptitle(title, fontsize=12, fontweight="bold")
     # Unlike savefig, which draws once more to measure, this draws once.
@@ -207,11 +210,30 @@ def _draw(result: Result, axes: list[_Axis], path: Path, title: str, start: floa
     return path
 
 
-def _draw_lines(place: Axes, time: NDArray[np.float64], axis: _Axis, since: int) -> None:
+def _mark_faults(place: Axes, result: Result, axis: _Axis, time: NDArray[np.float64]) -> None:
+    names = [name for name, _ in axis.lines]
+    faults = [fault for fault in result.faults if ".".join(fault.target) in names]
+    for start, stop in sorted({(fault.start, min(fault.stop, float(time[-1]))) for fault in faults}):
+        if stop > time[0]:
+            place.axvspan(max(start, float(time[0])), stop, color="0.5", alpha=0.15, linewidth=0, zorder=0)
+
+
+def _words(faults: tuple[Fault, ...], result: Result) -> str:
+    """Return what was done, a line for each of the first few faults, to stand below a figure."""
+    names = [".".join(fault.target) for fault in faults]
+    lines = [
+        f"fault: {name} {described(fault, result.units.get(name))}"
+        for name, fault in zip(names[:_MOST_WORDS], faults, strict=False)
+    ]
+    more = len(faults) - _MOST_WORDS
+    return "".join(f"\n{line}" for line in [*lines, *([f"and {more} more"] if more > 0 else [])])
+
+
+def _draw_lines(place: Axes, time: NDArray[np.float64], axis: _Axis, since: int, faulty: set[str]) -> None:
     colours = iter(_COLOURS)
     for name, values in axis.lines:
         variable = name.rpartition(".")[2]
-        faint = variable in axis.panel.faint and len(axis.lines) > 1
+        faint = variable in axis.panel.faint and len(axis.lines) > 1 and name not in faulty
         place.plot(
             time,
             _drawable(values[since:]),

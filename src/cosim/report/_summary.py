@@ -11,7 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from itertools import pairwise
 
 from cosim import __version__
-from cosim.engine import Component, Result, System, Variable
+from cosim.engine import RANDOM_FAULTS, Component, Fault, Result, System, Variable
 
 _PROVENANCE = re.compile(r"\[[SA]\].*", re.DOTALL)
 # What the engine counts for each component, as it is called for one of them; its steps are calls of doStep.
@@ -59,10 +59,31 @@ def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
         "events": _events(statistics),
         "coupling": statistics.get("coupling", []),
         "components": {component.name: _component(component, statistics) for component in system.components},
+        "faults": faults(result, system),
         "linear_channels": linear_channels(system, run.output_interval),
         "parameters": parameters(system),
         "enumerations": {name: list(names) for name, names in result.literals.items()},
         "versions": _versions(),
+    }
+
+
+def faults(result: Result, system: System) -> list[dict[str, object]]:
+    """Return what was done on purpose, in the order in which it acted: amounts in ``unit``, None for an open end."""
+    units = {f"{c.name}.{v.name}": v.unit for c in system.components for v in c.fmu.variables.values()}
+    return [_fault(fault, units[".".join(fault.target)]) for fault in result.faults]
+
+
+def _fault(fault: Fault, unit: str | None) -> dict[str, object]:
+    drawn = fault.kind in RANDOM_FAULTS
+    return {
+        "target": ".".join(fault.target),
+        "kind": fault.kind,
+        "amount": None if fault.kind == "freeze" else fault.amount,
+        "unit": {"freeze": None, "delay": "s", "scale": "1", "drop": "1"}.get(fault.kind, unit),
+        "from_s": fault.start,
+        "to_s": fault.stop if math.isfinite(fault.stop) else None,
+        "every_s": fault.every,
+        "seed": fault.seed if drawn else None,
     }
 
 

@@ -34,7 +34,7 @@ def write(result: Result, system: System, run: Run, folder: Path, *, plots: bool
     """
     summary = summarize(result, system, run)
     write_csv(result, folder / "results.csv")
-    lasting = ("title", "scenario", "complete", "message", "parameters", "enumerations", "versions")
+    lasting = ("title", "scenario", "complete", "message", "parameters", "enumerations", "versions", "faults")
     write_parquet(result, folder / "results.parquet", {key: summary[key] for key in lasting})
     text = json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False)
     (folder / "summary.json").write_text(text + "\n", encoding="utf-8", newline="\n")

@@ -10,6 +10,7 @@ A file has ``# key: value`` lines, a header, and rows::
     # set: plant.ext_load = 4 N.m               repeatable
     # map: plant.i_motor -> controller.current  repeatable; other inputs are connected by name
     # linear: v_supply                          these columns are interpolated, all others hold
+    # fault: i_motor bias 0.5 A from 2 s to 5 s repeatable, see docs/faults.md
     ## a comment: two number signs
     time [s],tau_disturbance [N.m],v_supply [V]
     0,0,28
@@ -23,13 +24,14 @@ the unit 1. The column in a message is the cell's number in its row.
 """
 
 from cosim.scenario._assemble import Locate, assemble
-from cosim.scenario._model import Column, Link, Scenario, ScenarioWarning, Setting
+from cosim.scenario._model import Column, FaultLine, Link, Scenario, ScenarioWarning, Setting
 from cosim.scenario._read import read
 from cosim.scenario._values import parameter_value
 from cosim.scenario.parameter_file import read_parameters, write_parameters
 
 __all__ = [
     "Column",
+    "FaultLine",
     "Link",
     "Locate",
     "Scenario",

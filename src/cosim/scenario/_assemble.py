@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from cosim.engine import Channel, Component, Connection, Fmu, System
 from cosim.errors import InputError
+from cosim.scenario._faults import assemble_faults
 from cosim.scenario._model import Column, Scenario, ScenarioWarning, Setting, is_structure
 from cosim.scenario._names import End, dotted, find_end, regrouped, resolve
 from cosim.scenario._values import channel_values, check_range, connection_map, parameter_value
@@ -44,6 +45,7 @@ def assemble(scenario: Scenario, locate: Locate) -> System:
     _set_sample_time(scenario, components, settings.get(("controller", "T_sample")))
     system.connections = _connections(scenario, components)
     system.channels = _channels(scenario, components, system.connections)
+    system.faults = assemble_faults(scenario, components, system.connections)
     return _checked(system, scenario)
 
 
@@ -71,7 +73,8 @@ def _assemble_structure(scenario: Scenario) -> System:
     connections = [*imported.connections, *_links(scenario, components)]
     channels = _channels(scenario, components, connections, imported.inputs)
     connected = {connection.target for connection in connections}
-    return System(components, connections, start_values(imported, channels, connected))
+    faults = assemble_faults(scenario, components, connections)
+    return System(components, connections, start_values(imported, channels, connected), faults)
 
 
 def _checked(system: System, scenario: Scenario) -> System:

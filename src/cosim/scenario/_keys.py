@@ -9,13 +9,14 @@ from pathlib import Path
 
 from cosim.engine import LEAST_TOLERANCE
 from cosim.errors import InputError
-from cosim.scenario._model import Link, Setting, suggestion
+from cosim.scenario._faults import EXAMPLE, parse_fault
+from cosim.scenario._model import FaultLine, Link, Setting, suggestion
 from cosim.units import Unit, convert, parse, quantity
 
 _TIMES = ("stop", "sample_time", "output_interval")
 _SINGLE = ("title", "system", "controller", *_TIMES, "tolerance")
-KEYS = (*_SINGLE, "set", "map", "linear")
-_NUMERIC = (*_TIMES, "tolerance", "set")
+KEYS = (*_SINGLE, "set", "map", "linear", "fault")
+_NUMERIC = (*_TIMES, "tolerance", "set", "fault")
 OVERRIDES = (*_TIMES, "tolerance", "controller", "system")
 
 _SECOND = parse("s")
@@ -43,6 +44,7 @@ class Keys:
     settings: list[Setting] = field(default_factory=list)
     links: list[Link] = field(default_factory=list)
     linear: list[tuple[str, int | None]] = field(default_factory=list)
+    faults: list[FaultLine] = field(default_factory=list)
 
 
 def parse_keys(path: Path, lines: Iterable[tuple[int, str]], plain_decimal: Callable[[str], str] = str) -> Keys:
@@ -109,6 +111,8 @@ def _take(keys: Keys, key: str, value: str, place: _Place) -> None:
         keys.settings.append(Setting(name, given, place.file, place.line))
     elif key == "map":
         keys.links.append(Link(*_arrow(value, place), place.line))
+    elif key == "fault":
+        keys.faults.append(parse_fault(value, place.file, place.line))
     elif key == "linear":
         keys.linear += [(name, place.line) for name in re.split(r"[,;\s]+", value) if name]
     else:
@@ -124,6 +128,7 @@ _EXPECTED = {
     "tolerance": "write a number such as 1e-6",
     "set": "write 'set: component.parameter = value', for example 'set: plant.ext_load = 4 N.m'",
     "map": "write 'map: component.output -> component.input', for example 'map: plant.i_motor -> controller.current'",
+    "fault": f"write {EXAMPLE}",
     "linear": "write the names of the columns to interpolate, separated by commas",
 }
 

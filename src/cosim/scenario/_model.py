@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 
+from cosim.engine import FaultKind
 from cosim.units import Unit
 
 
@@ -35,6 +36,24 @@ class Link:
     source: tuple[str, str]
     target: tuple[str, str]
     line: int | None
+
+
+@dataclass(frozen=True)
+class FaultLine:
+    """A fault as a ``fault`` line says it: times in s, ``amount`` as written, with its unit; empty for ``freeze``.
+
+    ``file`` is ``--fault`` for an option. ``every`` and ``seed`` are None where the line has none.
+    """
+
+    name: str
+    kind: FaultKind
+    amount: str
+    start: float
+    stop: float
+    every: float | None
+    seed: int | None
+    file: Path | str
+    line: int | None = None
 
 
 @dataclass(frozen=True)
@@ -70,6 +89,7 @@ class Scenario:
     settings: tuple[Setting, ...] = ()
     links: tuple[Link, ...] = ()
     columns: tuple[Column, ...] = ()
+    faults: tuple[FaultLine, ...] = ()
     key_lines: dict[str, int | None] = field(default_factory=dict)
 
 

@@ -24,10 +24,11 @@ def dotted(end: End) -> str:
     return ".".join(end)
 
 
-def resolve(name: str, components: Sequence[Component], wanted: str) -> tuple[End, Variable]:
+def resolve(name: str, components: Sequence[Component], wanted: str, called: str | None = None) -> tuple[End, Variable]:
     """Find ``name`` or ``component.name`` among the variables of a causality (`input` or `parameter`).
 
-    Raises `InputError` for a name that is unknown, means several variables, or is of another causality.
+    ``called`` is what a message calls it. Raises `InputError` for a name that is unknown, means several variables, or
+    is of another causality.
     """
     found = [
         ((component.name, own), component.fmu.variables[own])
@@ -44,7 +45,7 @@ def resolve(name: str, components: Sequence[Component], wanted: str) -> tuple[En
     if found:
         raise _wrong_causality(*found[0], components, wanted)
     known = _known([c for c in components if name.startswith(f"{c.name}.")] or components, wanted)
-    what = {"input": "channel", "parameter": "parameter"}[wanted]
+    what = called or {"input": "channel", "parameter": "parameter"}[wanted]
     raise InputError(f"unknown {what} '{name}'{suggestion(name, known)}; {_listing(known, wanted)}")
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from cosim.errors import InputError
+from cosim.scenario._faults import parse_fault
 from cosim.scenario._keys import Keys, missing, override, parse_keys
 from cosim.scenario._model import Column, Scenario, Setting, is_structure, suggestion
 from cosim.tabular import Table, load
@@ -21,19 +22,26 @@ _HEADER = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]")
 _SECOND = parse("s")
 
 
-def read(path: Path | str, settings: Sequence[str] = (), parameters: Sequence[Setting] = ()) -> Scenario:
+def read(
+    path: Path | str,
+    settings: Sequence[str] = (),
+    parameters: Sequence[Setting] = (),
+    faults: Sequence[str] = (),
+) -> Scenario:
     """Read a scenario file.
 
     ``settings`` are ``name=value`` texts that win over the file; a name is a parameter's or one of stop, sample_time,
     output_interval, tolerance, system, controller. ``parameters``, from parameter files, win over the file, too, but
-    not over ``settings``. Raises `InputError` with file, line and column for anything wrong;
-    what depends on the FMUs (names, units) is checked by `assemble`.
+    not over ``settings``. ``faults`` are texts such as ``i_motor bias 0.5 A``, added to those of the file. Raises
+    `InputError` with file, line and column for anything wrong; what depends on the FMUs (names, units) is checked by
+    `assemble`.
     """
     table = load(Path(path))
     keys = parse_keys(table.path, table.keys, table.plain_decimal)
     keys.settings += parameters
     for option in settings:
         override(keys, option)
+    keys.faults += [parse_fault(text, "--fault", None) for text in faults]
     times = _times(table)
     columns = _mark_linear(table, keys, _columns(table, times))
     if "system" not in keys.texts:
@@ -50,9 +58,18 @@ def read(path: Path | str, settings: Sequence[str] = (), parameters: Sequence[Se
         settings=tuple(keys.settings),
         links=tuple(keys.links),
         columns=columns,
+        faults=tuple(keys.faults),
         key_lines=keys.lines,
         **{key: keys.numbers.get(key, default) for key, default in _DEFAULTS.items()},
     )
+    for fault in scenario.faults:
+        if fault.start > scenario.stop:
+            raise InputError(
+                f"the fault of '{fault.name}' begins at {fault.start:g} s, after 'stop', {scenario.stop:g} s; "
+                "let it begin earlier, or remove it",
+                file=fault.file,
+                line=fault.line,
+            )
     if scenario.output_interval > scenario.stop:
         raise table.error(
             f"'output_interval' {scenario.output_interval} s is longer than the run, which stops at {scenario.stop} s",

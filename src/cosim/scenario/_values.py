@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 from cosim.engine import Variable
@@ -21,6 +22,21 @@ def parameter_value(text: str, name: str, variable: Variable) -> float | int | b
     if not isinstance(value, str):
         check_range(value, name, variable)
     return value
+
+
+def difference(text: str, name: str, variable: Variable) -> float:
+    """Read an amount by which a Real changes, in the FMU's unit: 5 degC is 5 K. Raises `InputError`."""
+    try:
+        value, unit = quantity(text)
+    except InputError as error:
+        raise InputError(f"'{name}': {error}") from None
+    remedy = f"write for example {value:g} {variable.unit}"
+    converted = _to_variable(
+        value, unit, name, variable, found=f"'{text}' is in {unit}", remedy=remedy, difference=True
+    )
+    if not math.isfinite(converted):
+        raise InputError(f"'{name}': '{text}' is too large a number")
+    return converted
 
 
 def check_range(value: float, name: str, variable: Variable) -> None:
@@ -110,8 +126,13 @@ def connection_map(source_name: str, source: Variable, target_name: str, target:
         ) from error
 
 
-def _to_variable(value: float, unit: Unit, name: str, variable: Variable, *, found: str, remedy: str) -> float:
+def _to_variable(
+    value: float, unit: Unit, name: str, variable: Variable, *, found: str, remedy: str, difference: bool = False
+) -> float:
     target = _unit_of(variable)
+    if difference:
+        unit = replace(unit, offset=0.0)
+        target = target and replace(target, offset=0.0)
     if target is None:
         if unit.factor != 1 or unit.offset:
             what = "no unit" if variable.unit is None else f"the unit '{variable.unit}', which is not understood,"

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from cosim.engine import Channel, System
 from cosim.errors import InputError
+from cosim.scenario._faults import fault_line
 from cosim.scenario._model import Scenario
 from cosim.units import parse
 
@@ -16,7 +17,7 @@ def companion(scenario: Scenario, system: System, connectors: Mapping[tuple[str,
     """Return a scenario file that runs the SSP of the path ``ssp`` as the scenario ran: the same numbers, to the bit.
 
     ``system`` is what the scenario has been assembled to, ``connectors`` are the SSP's by the variables behind them.
-    The values are those of the channels, in the FMUs' units. Parameters are not in it, the SSP has them.
+    The values are those of the channels and the faults, in the FMUs' units. Parameters are not in it, the SSP has them.
     """
     keys = {
         "title": scenario.title,
@@ -30,6 +31,7 @@ def companion(scenario: Scenario, system: System, connectors: Mapping[tuple[str,
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     variables = {(c.name, v.name): v for c in system.components for v in c.fmu.variables.values()}
+    lines += [f"# fault: {fault_line(fault, variables[fault.target])}\n" for fault in system.faults]
     header = [_header(connectors[c.target], variables[c.target].unit) for c in system.channels]
     writer.writerow(["time [s]", *header])
     for time, cells in _rows(system.channels):
