@@ -57,12 +57,12 @@ def described(fault: Fault, unit: str | None) -> str:
     """Return a fault in words, its amount in the ``unit`` of the input: "bias 0.5 A from 2 s to 5 s"."""
     of_amount = {"freeze": "", "delay": " s", "drop": " %", "scale": ""}.get(fault.kind, f" {unit}" if unit else "")
     amount = 100.0 * fault.amount if fault.kind == "drop" else fault.amount
-    parts: list[str] = [fault.kind] if fault.kind == "freeze" else [f"{fault.kind} {amount:.9g}{of_amount}"]
+    parts: list[str] = [fault.kind] if fault.kind == "freeze" else [f"{fault.kind} {amount:.15g}{of_amount}"]
     if fault.kind in RANDOM:
         parts.append(f"seed {fault.seed}")
-        parts += [] if fault.every is None else [f"every {fault.every:.9g} s"]
-    parts += [f"from {fault.start:.9g} s"] if fault.start > 0.0 else []
-    parts += [f"to {fault.stop:.9g} s"] if fault.stop < math.inf else []
+        parts += [] if fault.every is None else [f"every {fault.every:.15g} s"]
+    parts += [f"from {fault.start:.15g} s"] if fault.start > 0.0 else []
+    parts += [f"to {fault.stop:.15g} s"] if fault.stop < math.inf else []
     return " ".join(parts)
 
 

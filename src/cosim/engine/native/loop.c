@@ -94,9 +94,9 @@ static bool go_on(Engine *engine) {
         }
     }
     engine->at.now = t;
-    if (engine->n_faulty > 0) arrive(engine, t);
+    if (engine->n_faulty > 0) arrive_faults(engine, t);
     if (exchanging && !(are_numbers(engine) && exchange(engine, t, recording))) return false;
-    if (engine->n_faulty > 0) settle(engine, t);
+    if (engine->n_faulty > 0) settle_faults(engine, t);
     engine->at.exchanges += exchanging || engine->coupled;
     return true;
 }
@@ -119,9 +119,9 @@ static bool go_on_jacobi(Engine *engine) {
         if (!read_outputs(engine, component, recording)) return false;
     }
     if (engine->n_lines > 0) set_lines(engine, t);
-    if (engine->n_faulty > 0) arrive(engine, t);
+    if (engine->n_faulty > 0) arrive_faults(engine, t);
     if (next_change(engine) <= t + SAME_INSTANT) apply_changes(engine, t);
-    if (engine->n_faulty > 0) settle(engine, t);
+    if (engine->n_faulty > 0) settle_faults(engine, t);
     engine->at.now = t;
     engine->at.exchanges++;
     return are_numbers(engine);
@@ -130,10 +130,10 @@ static bool go_on_jacobi(Engine *engine) {
 static bool start(Engine *engine) {
     engine->started = true;
     engine->at.exchanges = 1;
-    if (engine->n_faulty > 0) arrive(engine, 0.0);
+    if (engine->n_faulty > 0) arrive_faults(engine, 0.0);
     if (engine->step > 0.0) apply_changes(engine, 0.0);
     else if (!exchange(engine, 0.0, true)) return false;
-    if (engine->n_faulty > 0) settle(engine, 0.0);
+    if (engine->n_faulty > 0) settle_faults(engine, 0.0);
     return true;
 }
 
@@ -168,9 +168,9 @@ EXPORT int cosim_run(Engine *engine, double limit) {
 /* Sizes of the structures, so that whoever fills them in can check that he means the same. */
 EXPORT void cosim_sizes(int64_t *sizes) {
     const size_t known[] = {
-        sizeof(Wire),      sizeof(Group),   sizeof(FaultState), sizeof(SignalFault), sizeof(FaultyInput), sizeof(FaultClock),
-        sizeof(Trigger),   sizeof(Component), sizeof(Change),   sizeof(Line),        sizeof(Text),        sizeof(Engine),
-        sizeof(Fault),
+        sizeof(Wire),       sizeof(Group),   sizeof(FaultState), sizeof(SignalFault), sizeof(FaultyInput),
+        sizeof(FaultClock), sizeof(Trigger), sizeof(Component),  sizeof(Change),      sizeof(Line),
+        sizeof(Text),       sizeof(Engine),  sizeof(Fault),
     };
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) sizes[i] = (int64_t)known[i];
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Faults at work, as cosim/engine/_signal_faults.py has them. At each communication point `arrive` comes first, while
- * the signals are what has led there; in the exchange and in the step that follow `refresh` computes what inputs get,
- * and changes nothing else; `settle` comes after the exchange.
+ * Faults at work, as cosim/engine/_signal_faults.py has them. At each communication point `arrive_faults` comes first,
+ * while the signals are what has led there; in the exchange and in the step that follow `refresh` computes what inputs
+ * get, and changes nothing else; `settle_faults` comes after the exchange.
  */
 #define MOST_NEW_POINTS 4 /* points that a macro step may add to a history */
 
@@ -119,7 +119,7 @@ static void go_to(const SignalFault *fault, double t, double given) {
     if (fault->kind == DELAY) forget(fault, t - fault->amount);
 }
 
-RARE void arrive(Engine *engine, double t) {
+RARE void arrive_faults(Engine *engine, double t) {
     engine->fault_clock->time = t;
     engine->fault_clock->stepping = false;
     for (const FaultyInput *input = engine->faulty; input < engine->faulty + engine->n_faulty; input++) {
@@ -154,7 +154,7 @@ static double next_instant(const SignalFault *fault, double t) {
     return fmin(following, fault->stop);
 }
 
-RARE void settle(Engine *engine, double t) {
+RARE void settle_faults(Engine *engine, double t) {
     double next = INFINITY;
     for (const FaultyInput *input = engine->faulty; input < engine->faulty + engine->n_faulty; input++) {
         double value = handed_on(&input->at, engine->values);
