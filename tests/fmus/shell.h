@@ -18,6 +18,9 @@
 #ifndef REFUSAL
 #define REFUSAL(m) OK /* the status with which initialisation ends */
 #endif
+#ifndef READING
+#define READING(m) OK /* the status with which values are given */
+#endif
 #ifndef AT
 #define AT(moment) (void)0 /* done at the beginning of a function of the FMI */
 #endif
@@ -113,7 +116,7 @@ const char *fmi2GetVersion(void) { return "2.0"; }
         AT("Get" #Type);                                                                                            \
         outputs(c);                                                                                                 \
         for (size_t i = 0; i < n; i++) value[i] = (type)((Model *)c)->v[vr[i]];                                     \
-        return fmi2OK;                                                                                              \
+        return (fmi2Status)READING((Model *)c);                                                                     \
     }                                                                                                               \
     fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference vr[], size_t n, const type value[]) {       \
         for (size_t i = 0; i < n; i++) ((Model *)c)->v[vr[i]] = (double)value[i];                                   \
@@ -192,6 +195,7 @@ fmi3Status fmi3Reset(fmi3Instance c) { reset(c); return fmi3OK; }
     fmi3Status fmi3Get##Type(fmi3Instance c, const fmi3ValueReference vr[], size_t n, type value[], size_t nv) {   \
         AT("Get" #Type);                                                                                            \
         outputs(c);                                                                                                 \
+        if (READING((Model *)c) != OK) return (fmi3Status)READING((Model *)c);                                      \
         EACH(value[k] = (type)((Model *)c)->v[vr[i] + j])                                                           \
     }                                                                                                               \
     fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const type value[],          \

@@ -64,7 +64,7 @@ def test_the_library_passes(name: str) -> None:
     assert check_units(flatten(Source.read(LIBRARY), f"WiperDrive.{name}")) == []
 
 
-@pytest.mark.parametrize("package", ["Small", "Stiff", "Split"])
+@pytest.mark.parametrize("package", ["Small", "Stiff", "Split", "Loops"])
 def test_the_models_of_the_tests_pass(tmp_path: Path, package: str) -> None:
     # all as components of one model, which is flattened once
     parts = "".join(f"  {name} part_{k};\n" for k, name in enumerate(complete_models(MODELS / package)))

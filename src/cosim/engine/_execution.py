@@ -62,13 +62,14 @@ class Job:
 class Ending:
     """How a run ended: ``statistics`` as in ``Result``; ``message`` says why it ended before its time.
 
-    ``checkpoints`` are those that were kept in memory.
+    ``checkpoints`` are those that were kept in memory, ``remarks`` what the user should know about initialisation.
     """
 
     statistics: dict[str, object]
     message: str | None = None
     interrupted: bool = False
     checkpoints: list[Checkpoint] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
 
 
 def loop_name() -> str:
@@ -131,7 +132,7 @@ def execute(job: Job, plan: Plan, record: Record, progress: Callable[[float], No
     ending = Ending({})
     broken: Instance | None = None
     try:
-        begin(job, plan, record)
+        ending.remarks = begin(job, plan, record)
         clock.start()
         saving = job.saving
         for at in saving.at if saving else ():
@@ -155,18 +156,21 @@ def execute(job: Job, plan: Plan, record: Record, progress: Callable[[float], No
     return ending
 
 
-def begin(job: Job, plan: Plan, record: Record) -> None:
-    """Bring a plan with new instances to where the run begins; raises as ``execute`` does, and CallError."""
+def begin(job: Job, plan: Plan, record: Record) -> list[str]:
+    """Bring a plan with new instances to where the run begins; return what the user should know of that.
+
+    Raises as ``execute`` does, and CallError.
+    """
     saving = job.saving
     if saving and saving.resume:
         restore(saving.resume, plan, record)
         apply(saving.parameters or {}, plan, record, job.step)
-        return
+        return []
     for component in job.system.components:
         participant = next(p for p in (*plan.continuous, *plan.discrete) if p.instance.name == component.name)
         participant.instance.set_values(parameters_of(component))
     horizon = saving.horizon if saving else job.stop
-    initialize(plan, job.tolerance, horizon if math.isfinite(horizon) else None)
+    return initialize(plan, job.system, job.tolerance, horizon if math.isfinite(horizon) else None)
 
 
 def simulate_to(

@@ -125,7 +125,7 @@ def _traced(job: Job, trace: Trace, record: Record, sites: Sequence[Site]) -> Pl
         try:
             for name, instance in instances.items():
                 instance.set_values(parameters[name])
-            initialize(plan, job.tolerance, job.stop)
+            initialize(plan, system, job.tolerance, job.stop)
             with suppress(Enough):
                 if step is not None:
                     run_jacobi(plan, record, step, None)

@@ -153,7 +153,9 @@ class Fmu:
                 self.variables[variable.name] = variable
                 self.fmi_types[variable.name] = described.type
         self.dependencies = _dependencies(description.outputs)
-        self.initial_dependencies = _dependencies(description.initialUnknowns)
+        exact = [v for v in description.modelVariables if v.causality == "output" and v.initial == "exact"]
+        self.initial_dependencies = {name: frozenset() for variable in exact for name in names_of(variable)}
+        self.initial_dependencies |= _dependencies(description.initialUnknowns)
         self.has_continuous_states = bool(description.derivatives)
         self.log_categories = tuple(category.name for category in description.logCategories)
         self._token = description.guid

@@ -2,44 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from functools import partial
+
+from cosim.engine._algebraic import LoopError, Network
+from cosim.engine._graph import Depends, Phase, declared
 from cosim.engine._instance import CallError
 from cosim.engine._loop import check_numbers
 from cosim.engine._participant import Participant
 from cosim.engine._plan import Plan
+from cosim.engine._port import Port
 from cosim.engine._role import Role
+from cosim.engine._system import System
+
+_SAME = 1e-9
+"""Relative difference between an output and the input that it drives, above which the two do not agree."""
 
 _MOST_PASSES = 50
 
 
-def initialize(plan: Plan, tolerance: float, stop: float | None) -> None:
-    """Bring all components to t = 0, their connections fulfilled; ``stop`` [s] is None if the end is not known.
+def initialize(plan: Plan, system: System, tolerance: float, stop: float | None) -> list[str]:
+    """Bring all components to t = 0, their connections fulfilled; return what the user should know of the solution.
 
-    Only continuous components are told the stop time: one that is sampled at stop must be allowed to step past it.
+    Outputs are read once all inputs are set that they depend on according to the model descriptions. What depends on
+    itself around a loop is solved for. If the connections are not fulfilled then, the descriptions are wrong, and every
+    output is taken to depend on every input of its component; so are those of a component that cannot be read before
+    all its inputs are set. Only continuous components are told the stop time: one that is sampled at stop must be
+    allowed to step past it; ``stop`` [s] is None if the end is not known. Raises CallError.
     """
     participants = [*plan.continuous, *plan.discrete]
     for participant in participants:
         if not participant.instance.initializes_at_once:
             _enter(participant, tolerance, stop)
-    for passes in range(_MOST_PASSES):
-        before = list(plan.values)
-        for participant in participants:
-            participant.write(force=passes == 0)
-            if passes == 0 and participant.instance.initializes_at_once:
-                _enter(participant, tolerance, stop)
-            participant.read()
-        check_numbers(plan)
-        if _agree(before, plan.values.tolist()):
-            break
-    else:
-        raise CallError(
-            _unsettled(participants).instance,
-            f"inputs and outputs do not agree after {_MOST_PASSES} passes of initialisation",
-            "break the algebraic loop between the components",
-        )
+    remarks = _settle(plan, system, tolerance, stop)
     for participant in participants:
         participant.instance.exit_initialization()
     for participant in plan.continuous:
         participant.read()
+    return remarks
 
 
 def _enter(participant: Participant, tolerance: float, stop: float | None) -> None:
@@ -47,9 +47,82 @@ def _enter(participant: Participant, tolerance: float, stop: float | None) -> No
     participant.instance.enter_initialization(tolerance, stop if continuous else None)
 
 
-def _agree(before: list[float], after: list[float]) -> bool:
-    return all(abs(a - b) <= 1e-12 * max(abs(a), abs(b)) or a == b for a, b in zip(before, after, strict=True))
+def _settle(plan: Plan, system: System, tolerance: float, stop: float | None) -> list[str]:
+    """Set all inputs and read all outputs, and do so again if descriptions turn out to be wrong."""
+    ports = _ports(plan, tolerance, stop)
+    described = declared(system.components, Phase.INITIALIZATION)
+    outputs = {connection.source for connection in system.connections}
+    given = set(range(len(plan.values))) - {plan.signals[output] for output in outputs}
+    given -= {faulty.slot for faulty in plan.faults.inputs}
+    wary: set[str] = set()  # components whose descriptions are not believed
+    while True:
+        network = Network(
+            ports=ports,
+            connections=system.connections,
+            depends=_unless(wary, described),
+            slots=plan.signals,
+            values=plan.values,
+            texts=plan.texts,
+            known=set(given),
+            tolerance=tolerance,
+        )
+        try:
+            network.settle()
+            fulfilled = _is_fulfilled(plan, network)
+        except CallError as failure:
+            name = failure.instance.name
+            if isinstance(failure, LoopError) or name in wary or ports[name].is_complete:
+                raise
+            wary.add(name)
+            continue
+        if fulfilled:
+            return network.remarks
+        if len(wary) < len(ports):
+            wary.update(ports)
+            continue
+        for _ in range(_MOST_PASSES):
+            if _is_fulfilled(plan, network):
+                return network.remarks
+        raise CallError(
+            next(port for port in ports.values() if port.wires).participant.instance,
+            f"inputs and outputs do not agree after {_MOST_PASSES} more passes of initialisation",
+            "look for an output that changes whenever it is read",
+        )
 
 
-def _unsettled(participants: list[Participant]) -> Participant:
-    return next(participant for participant in participants if participant.input_groups)
+def _ports(plan: Plan, tolerance: float, stop: float | None) -> dict[str, Port]:
+    slots: dict[str, dict[str, int]] = {}
+    for (name, variable), slot in plan.signals.items():
+        slots.setdefault(name, {})[variable] = slot
+    return {
+        participant.instance.name: Port(
+            participant,
+            slots.get(participant.instance.name, {}),
+            partial(_enter, participant, tolerance, stop) if participant.instance.initializes_at_once else None,
+        )
+        for participant in (*plan.continuous, *plan.discrete)
+    }
+
+
+def _unless(wary: Collection[str], described: Depends) -> Depends:
+    return lambda output, name: output[0] in wary or described(output, name)
+
+
+def _is_fulfilled(plan: Plan, network: Network) -> bool:
+    """Set all inputs, read all outputs, and tell whether the inputs agree with them; if not, set them again."""
+    ports = network.ports.values()
+    for port in ports:
+        port.write(network.known)
+    for port in ports:
+        port.participant.read()
+    check_numbers(plan)
+    before = list(plan.inputs)
+    for port in ports:
+        port.write(network.known)
+    for port in ports:
+        for wire, _, _ in port.wires:
+            old, new = before[wire.target], plan.inputs[wire.target]
+            size = max(abs(old), abs(new), abs(wire.factor) * network.sizes.get(wire.source, 0.0))
+            if abs(new - old) > _SAME * size:
+                return False
+    return True

@@ -54,6 +54,16 @@ class CallError(Exception):
         self.what = what
         self.remedy = remedy
 
+    @property
+    def refusal(self) -> str | None:
+        """Return the assertion that the component reports as violated; None if there is none."""
+        return self.instance.log.assertion
+
+    def __str__(self) -> str:
+        """Return which component it is, what happened, what the FMU says and what to try."""
+        instance = self.instance
+        return f"{instance.name} ({instance.fmu.name}): {self.what}; {instance.log}; {self.remedy}"
+
 
 class Instance(ABC):
     """One instance of an FMU, from instantiation to freeing.
@@ -168,6 +178,21 @@ class Instance(ABC):
     def _state(self, verb: str, place: c_void_p) -> None:
         function = self.state_symbol(verb)
         self.check(function, self._bind(self.symbol(function), place)())
+
+    def directional_derivative(
+        self,
+        unknowns: tuple[Array[c_uint], int],
+        knowns: tuple[Array[c_uint], int],
+        seed: Array[c_double],
+        slope: Array[c_double],
+    ) -> Call:
+        """Bind the function that puts into ``slope`` how unknowns change if knowns change by ``seed``.
+
+        Of both the value references are given, and how many of these count. The FMU must be able to.
+        """
+        (outputs, n), (inputs, m) = ((references, c_size_t(count)) for references, count in (unknowns, knowns))
+        sizes = (m, slope, n) if self.tells_size else (slope,)
+        return self._bind(self.symbol("GetDirectionalDerivative"), outputs, n, inputs, m, seed, *sizes)
 
     def pointer(self, function: str) -> int:
         """Return the address of a function of the FMU's library."""

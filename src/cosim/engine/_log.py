@@ -61,6 +61,19 @@ class Log:
         _logs[component] = self
 
     @property
+    def messages(self) -> tuple[str, ...]:
+        """What is kept."""
+        return tuple(self._messages)
+
+    @messages.setter
+    def messages(self, messages: tuple[str, ...]) -> None:
+        if messages != self.messages:
+            self._messages.clear()
+            self._messages.extend(messages)
+            if self._hand_on is not None:
+                self._hand_on(str(self))
+
+    @property
     def assertion(self) -> str | None:
         """What the last assertion says that the FMU reports as violated; None if there is none."""
         found = [match for message in self._messages if (match := _ASSERTION.search(message))]

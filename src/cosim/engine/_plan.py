@@ -37,10 +37,10 @@ class Plan:
 
     ``columns`` maps "component.variable" to its signal, in the order of the result; ``ends`` are the (component,
     variable) of the recorded signals, ``variables`` describes the columns. The signals from ``first_text`` on are those
-    of the texts, which are in ``texts``. ``coupled`` tells whether continuous
-    components drive each other or follow a linear channel, so that every output point is an exchange. ``memory`` has
-    by name all else that the run's future depends on: what is neither in them, in the signals and inputs, in a
-    participant, in an FMU nor derived from the time is lost at a checkpoint.
+    of the texts, which are in ``texts``. ``signals`` has those of all outputs and channels. ``coupled`` tells whether
+    continuous components drive each other or follow a linear channel, so that every output point is an exchange.
+    ``memory`` has by name all else that the run's future depends on: what is neither in them, in the signals and
+    inputs, in a participant, in an FMU nor derived from the time is lost at a checkpoint.
     """
 
     values: array[float]
@@ -57,6 +57,7 @@ class Plan:
     coupled: bool
     first_text: int
     texts: dict[int, bytes]
+    signals: dict[tuple[str, str], int]
     memory: dict[str, Memory] = field(default_factory=dict)
 
 
@@ -131,6 +132,7 @@ def make_plan(
         coupled=coupled or bool(lines),
         first_text=total + 1,
         texts=present,
+        signals=signals,
         memory={"faults": FaultMemory(faults)} if faults.inputs else {},
     )
 

@@ -116,14 +116,11 @@ def failure_message(failure: CallError, record: Record) -> str:
     Raises InputError instead if a component could not be initialised because it does not take what it was given.
     """
     instance = failure.instance
-    if not _started(record) and (reason := instance.log.assertion):
+    if not _started(record) and (reason := failure.refusal):
         raise InputError(
             f"{instance.name} ({instance.fmu.name}) refuses its parameters or inputs: {reason.rstrip('.')}; change them"
         ) from failure
-    return (
-        f"the simulation failed {place_of(record)}: {instance.name} ({instance.fmu.name}): {failure.what}; "
-        f"{instance.log}; {failure.remedy}"
-    )
+    return f"the simulation failed {place_of(record)}: {failure}"
 
 
 def place_of(record: Record) -> str:

@@ -25,6 +25,9 @@ MOST_NEW_POINTS = 4
 """Points that a macro step may add to a history."""
 
 _FIRST_CAPACITY = 64
+_NUDGE = 1e-6
+"""Of a value, by which it is changed to see what a fault makes of it."""
+
 _WHOLE = 2.0**52
 """From here on all doubles are whole numbers."""
 
@@ -221,6 +224,17 @@ class FaultyInput:
         self.line = line
         self.faults = faults
         self.triggers = triggers
+
+    def slope(self, values: Sequence[float]) -> float:
+        """Return how it changes with what drives it, at t = 0."""
+        given = self.at.translated(values[self.at.source])
+        width = _NUDGE * (abs(given) or 1.0)
+        return self.at.factor * (self._faulty(given + width, 0.0) - self._faulty(given, 0.0)) / width
+
+    def _faulty(self, value: float, t: float) -> float:
+        for fault in self.faults:
+            value = fault.output(value, t)
+        return value
 
 
 class SignalFaults:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +26,7 @@ from cosim.engine._resume import Saving, check_can_save, check_resume, check_tim
 from cosim.engine._role import warn_of_fixed_steps
 from cosim.engine._supervisor import Limits
 from cosim.engine._system import System
+from cosim.errors import FmuWarning
 
 
 def simulate(
@@ -101,6 +103,8 @@ def simulate(
         return record, _run_here(job, record, progress)
 
     record, ending = run(job)
+    for remark in ending.remarks:
+        warnings.warn(remark, FmuWarning, stacklevel=2)
     companion = Companion(job)
     estimate = _estimate(companion, layout, record, ending, run) if coupling_error else no_estimate("not asked for")
     ending.statistics["coupling"] = companion.account(layout, estimate)

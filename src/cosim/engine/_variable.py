@@ -42,7 +42,8 @@ class Variable:
     FMI's grammar, None if the FMU gives none. ``literals`` holds the names of an enumeration, literal ``i`` (from 0)
     belonging to the value ``i + 1``; it is None for other types and for an enumeration that is numbered otherwise.
     ``array`` is the name of the array (FMI 3.0) that it is an element of; all elements have its value reference.
-    ``minimum`` and ``maximum`` bound the values of a Real, Integer or Enumeration, None where there is no bound.
+    ``minimum`` and ``maximum`` bound the values of a Real, Integer or Enumeration, None where there is no bound;
+    ``nominal`` is the size of a Real's typical values, None if the FMU does not say.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Variable:
     minimum: float | None = None
     maximum: float | None = None
     binary: BinaryKind | None = None
+    nominal: float | None = None
 
     def beyond(self, value: float) -> str | None:
         """Tell which bound a value in this unit misses ("below its minimum 0 s"); None if it is within its range.
@@ -148,6 +150,7 @@ def variables_of(described: ModelVariable, opaque: dict[str, Opaque]) -> list[Va
             minimum=_bound_of(kind, described.min, declared.min if declared else None),
             maximum=_bound_of(kind, described.max, declared.max if declared else None),
             binary=more.binary if more else None,
+            nominal=_nominal_of(described.nominal or (declared.nominal if declared else None)),
         )
         for name, start in zip(names, starts, strict=True)
     ]
@@ -172,6 +175,14 @@ def _bound_of(kind: str, own: str | None, declared: str | None) -> float | None:
     except ValueError:
         return None
     return bound if math.isfinite(bound) else None
+
+
+def _nominal_of(text: str | None) -> float | None:
+    try:
+        nominal = abs(float(text or "nan"))
+    except ValueError:
+        return None
+    return nominal if math.isfinite(nominal) and nominal > 0.0 else None
 
 
 def _literals_of(described: ModelVariable) -> tuple[str, ...] | None:

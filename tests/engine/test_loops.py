@@ -1,0 +1,246 @@
+"""Initialisation of algebraic loops against their closed forms, its messages, and what it costs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from algebraic_loops import Blocks, initialized, wired
+from both_loops import simulate
+from fmu_builder import INTEGRATOR, build, build_first
+from scipy.optimize import brentq
+
+from cosim.engine import Fmu, PartialResultError, System, explain_timing
+from cosim.engine._instance import CallError
+from cosim.errors import FmuWarning
+
+pytest.importorskip("rumoca")
+
+EXACT = {"rel": 1e-12, "abs": 1e-15}
+
+
+@pytest.fixture(scope="module")
+def blocks(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Blocks]:
+    made = Blocks(tmp_path_factory.mktemp("loops"))
+    yield made
+    made.close()
+
+
+def two(a: Fmu, b: Fmu, back: str = "b.affine a.u", /, *, output: str = "affine", **parameters: float) -> System:
+    return wired({"a": (a, parameters), "b": (b, {})}, f"a.{output} b.u", back)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("bare", [False, True])
+@pytest.mark.parametrize("gain", [-0.5, 0.5, 3.0, -40.0, 0.0])
+def test_a_linear_loop_whatever_its_gain(blocks: Blocks, version: int, bare: bool, gain: float) -> None:
+    block = blocks.bare(version) if bare else blocks.plain(version)
+    found = initialized(two(block, block, k=gain, b=1.0))
+    assert found.values["a.affine"] == pytest.approx(1.0 / (1.0 - gain), **EXACT)
+    assert found.values["b.affine"] == pytest.approx(1.0 / (1.0 - gain), **EXACT)
+    assert found.remarks == []
+
+
+@pytest.mark.parametrize("bare", [False, True])
+def test_a_conversion_of_units_is_part_of_the_loop(blocks: Blocks, bare: bool) -> None:
+    block = blocks.bare() if bare else blocks.plain()
+    found = initialized(two(block, block, "b.affine a.u 1000 -273.15", k=2.0, b=1.0))
+    a = (1.0 - 2.0 * 273.15) / (1.0 - 2.0 * 1000.0)
+    assert found.values["a.affine"] == pytest.approx(a, **EXACT)
+    assert found.values["b.affine"] == pytest.approx(a, **EXACT)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("bare", [False, True])
+def test_nonlinear_loops(blocks: Blocks, version: int, bare: bool) -> None:
+    block = blocks.bare(version) if bare else blocks.plain(version)
+    cosine = initialized(two(block, block, output="cosine"))
+    assert cosine.values["a.cosine"] == pytest.approx(0.73908513321516064, **EXACT)  # x = cos x: Dottie's number
+    system = wired({"a": (block, {}), "b": (block, {"k": -2.0, "b": 1.0})}, "a.implicit b.u", "b.affine a.u")
+    implicit = initialized(system)
+    expected = brentq(lambda y: y + 0.5 * math.sin(y) + 2.0 * y - 1.0, 0.0, 1.0, xtol=1e-16, rtol=1e-15)
+    assert implicit.values["a.implicit"] == pytest.approx(expected, **EXACT)
+
+
+@pytest.mark.parametrize(("start", "sign"), [(0.5, -1.0), (5.0, 1.0)])
+def test_of_two_solutions_the_one_near_the_start_value_is_taken(blocks: Blocks, start: float, sign: float) -> None:
+    """x = x^2/4 + 1/2; repeated evaluation could find the smaller solution only."""
+    block = blocks.start(start)
+    found = initialized(two(block, block, output="square", c=0.25, b=0.5))
+    assert found.values["a.square"] == pytest.approx(2.0 + sign * math.sqrt(2.0), **EXACT)
+
+
+def test_a_start_value_from_which_no_step_can_be_taken(blocks: Blocks) -> None:
+    """x = 2 x^2 - 0.1 has a slope of 1 at 0.25."""
+    block = blocks.start(0.25)
+    found = initialized(two(block, block, output="square", c=2.0, b=-0.1))
+    x = found.values["a.square"]
+    assert x == pytest.approx(2.0 * x**2 - 0.1, **EXACT)
+    assert found.remarks == []
+
+
+@pytest.mark.parametrize("bare", [False, True])
+@pytest.mark.parametrize("seed", range(5))
+def test_three_components_that_all_act_on_each_other(blocks: Blocks, seed: int, bare: bool) -> None:
+    random = np.random.default_rng(seed)
+    k, m, b = random.normal(scale=3.0, size=(3, 3))
+    block = blocks.bare() if bare else blocks.plain()
+    system = wired(
+        {name: (block, {"k": k[i], "m": m[i], "b": b[i]}) for i, name in enumerate("pqr")},
+        *("p.affine q.u", "q.affine r.u", "r.affine p.u", "p.affine r.v 2 1", "q.affine p.v", "r.affine q.v"),
+    )
+    found = initialized(system)
+    matrix = np.eye(3)
+    matrix[0, 2] -= k[0]
+    matrix[0, 1] -= m[0]
+    matrix[1, 0] -= k[1]
+    matrix[1, 2] -= m[1]
+    matrix[2, 1] -= k[2]
+    matrix[2, 0] -= 2.0 * m[2]
+    expected = np.linalg.solve(matrix, [b[0], b[1], b[2] + m[2]])
+    assert [found.values[f"{name}.affine"] for name in "pqr"] == pytest.approx(expected.tolist(), rel=1e-11)
+
+
+def test_a_chain_of_three_in_a_loop(blocks: Blocks) -> None:
+    block = blocks.plain()
+    system = wired(
+        {"a": (block, {"k": 3.0, "b": 1.0}), "b": (block, {"k": 0.1}), "c": (block, {})},
+        *("a.affine b.u", "b.affine c.u", "c.square a.u"),
+    )
+    # a = 3 (a/10)^2 + 1
+    expected = (1.0 - math.sqrt(1.0 - 0.12)) / 0.06
+    assert initialized(system).values["a.affine"] == pytest.approx(expected, **EXACT)
+
+
+def test_the_result_begins_with_the_solution_in_every_algorithm(blocks: Blocks) -> None:
+    block = blocks.plain()
+    system = two(block, block, k=3.0, b=1.0)
+    for arguments in ({}, {"algorithm": "jacobi", "step": 0.1}):
+        result = simulate(system, stop=0.1, output_interval=0.1, tolerance=1e-6, **arguments)  # type: ignore[arg-type]
+        assert result.columns["a.affine"][0] == pytest.approx(-0.5, **EXACT)
+    explain_timing(system, stop=0.1, output_interval=0.1)
+
+
+def test_model_exchange_takes_part(blocks: Blocks) -> None:
+    found = initialized(two(blocks.exchange(), blocks.plain(), k=3.0, b=1.0))
+    assert found.values["a.affine"] == pytest.approx(-0.5, **EXACT)
+    assert found.calls["a"]["GetDirectionalDerivative"] == 1
+
+
+def test_fmi_1_takes_part(blocks: Blocks, tmp_path: Path) -> None:
+    """It says nothing of its dependencies, so that this looks like a loop, but is none."""
+    with Fmu.read(build_first(tmp_path)) as first:
+        system = wired({"a": (first, {"x0": 2.0}), "b": (blocks.plain(), {"k": 3.0})}, "a.x b.u", "b.affine a.u")
+        found = initialized(system)
+        assert found.values["a.x"] == 2.0
+        assert found.values["b.affine"] == 6.0
+        assert found.calls["b"]["Get"] <= 2 + 4
+        result = simulate(system, stop=0.1, output_interval=0.1, tolerance=1e-6)
+        assert result.columns["b.affine"][0] == 6.0
+
+
+def test_booleans_are_tried_until_they_stay(blocks: Blocks) -> None:
+    """The switch is closed first, which opens the way to another solution of the loop around it."""
+    block = blocks.plain()
+    system = wired(
+        {"a": (block, {"k": -0.5, "low": 1.9, "high": 2.5}), "b": (block, {})},
+        *("a.switched b.u", "b.affine a.u", "b.above a.on"),
+    )
+    found = initialized(system)
+    assert found.values["a.switched"] == pytest.approx(2.5 / 1.5, **EXACT)
+    assert found.values["b.above"] == 1.0
+    inverters = initialized(wired({"a": (block, {}), "b": (block, {})}, "a.not_on b.on", "b.not_on a.on"))
+    assert inverters.values["a.not_on"] != inverters.values["b.not_on"]
+
+
+def test_booleans_that_never_stay(blocks: Blocks) -> None:
+    block = blocks.plain()
+    system = wired({name: (block, {}) for name in "abc"}, "a.not_on b.on", "b.not_on c.on", "c.not_on a.on")
+    with pytest.raises(CallError) as caught:
+        initialized(system)
+    assert str(caught.value) == (
+        "the algebraic loop a.not_on -> b.on -> b.not_on -> c.on -> c.not_on -> a.on does not come to rest: a.not_on "
+        "true -> false -> true, b.not_on false -> true -> false, c.not_on true -> false -> true, and so on; change "
+        "start values of its inputs, or break it: by a sample or a delay in one of its components"
+    )
+
+
+@pytest.mark.parametrize("bare", [False, True])
+def test_a_gain_of_1_without_a_solution(blocks: Blocks, bare: bool) -> None:
+    block = blocks.bare() if bare else blocks.plain()
+    with pytest.raises(PartialResultError) as caught:
+        simulate(two(block, block, b=1.0), stop=0.1, output_interval=0.1, tolerance=1e-6)
+    assert str(caught.value) == (
+        "the simulation failed during initialisation: the algebraic loop a.affine -> b.u -> b.affine -> a.u has no "
+        "solution, or none close by: around it a change comes back unchanged (a gain of 1); closest: a.affine = 0.5 V "
+        "comes back as 1.5 V (residual 1 V), with b.u = 0.5 V, b.affine = 0.5 V, a.u = 0.5 V; change a gain or an "
+        "offset in it, or break it: by a state, a sample or a delay in one of its components"
+    )
+
+
+def test_a_parabola_that_misses(blocks: Blocks) -> None:
+    """x = x^2 + 5 comes closest to a solution at x = 1/2."""
+    with pytest.raises(CallError) as caught:
+        initialized(two(blocks.start(2.0), blocks.plain(), output="square", b=5.0))
+    assert "the algebraic loop a.square -> b.u -> b.affine -> a.u has no solution" in str(caught.value)
+    assert "(residual 4.75 V)" in str(caught.value)
+
+
+@pytest.mark.parametrize("bare", [False, True])
+def test_a_gain_of_1_with_any_number_of_solutions(blocks: Blocks, bare: bool) -> None:
+    block = blocks.bare() if bare else blocks.plain()
+    with pytest.warns(FmuWarning) as caught:
+        result = simulate(two(block, block), stop=0.1, output_interval=0.1, tolerance=1e-6)
+    assert str(caught[0].message) == (
+        "the algebraic loop a.affine -> b.u -> b.affine -> a.u does not determine its variables at initialisation: "
+        "around it a change comes back unchanged; of all solutions this one, close to the start values, was taken: "
+        "a.affine = 0.5 V, b.u = 0.5 V, b.affine = 0.5 V, a.u = 0.5 V; give the inputs other start values for "
+        "another one"
+    )
+    assert result.columns["a.affine"][0] == 0.5
+
+
+def test_a_wrong_statement_on_dependencies_is_noticed(blocks: Blocks) -> None:
+    liar = blocks.liar()
+    chain = wired(
+        {name: (liar, {"k": 3.0, "b": 1.0}) for name in "cba"}, "a.affine b.u", "b.affine c.u", "c.affine a.u"
+    )
+    expected = (1.0 + 3.0 + 9.0) / (1.0 - 27.0)
+    assert initialized(chain).values["c.affine"] == pytest.approx(expected, **EXACT)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_fmu_that_gives_nothing_before_its_inputs_are_set(blocks: Blocks, tmp_path: Path, version: int) -> None:
+    """It fails while u is 0, even for the state x, which does not depend on u; in a loop a first value is tried."""
+    path = build(INTEGRATOR, version, tmp_path, defines=("READING(m)=((m)->v[1]==0.0?3:0)",))
+    block = blocks.plain()
+    with Fmu.read(path) as shy:
+        parts = {"a": (shy, {"x0": 2.0}), "b": (block, {"b": 1.0}), "c": (block, {"b": 4.0})}
+        found = initialized(wired(parts, "a.x b.u", "c.affine a.u"))
+        assert found.values["a.y"] == 4.5
+        assert found.values["b.affine"] == 3.0
+        looped = initialized(wired(parts, "a.x b.u", "b.affine a.u"))
+        assert looped.values["a.y"] == 3.0
+        assert looped.values["b.affine"] == 3.0
+        with pytest.raises(CallError, match=r"a \(integrator\): fmi.Get(Real|Float64)\(?.* returned Error"):
+            initialized(wired(parts, "a.x b.u"))
+
+
+def test_what_initialisation_costs(blocks: Blocks) -> None:
+    """Each input is set once and each output read for it; all are read once more, and once in Step Mode."""
+    block = blocks.plain()
+    chain = initialized(wired({n: (block, {"k": 2.0}) for n in "cba"}, "a.affine b.u", "b.affine c.u")).calls
+    assert {name: calls["Set"] for name, calls in chain.items()} == {"a": 0, "b": 1, "c": 1}
+    assert {name: calls["Get"] for name, calls in chain.items()} == {"a": 1 + 4, "b": 1 + 4, "c": 4}  # two types
+    linear = initialized(two(block, block, k=3.0, b=1.0)).calls
+    for calls in linear.values():
+        assert calls["Set"] <= 2 + 1
+        assert calls["Get"] <= 2 + 4
+        assert calls["GetDirectionalDerivative"] == 1
+    differences = initialized(two(blocks.bare(), blocks.bare(), k=3.0, b=1.0)).calls
+    for calls in differences.values():
+        assert calls["Set"] <= 6
+        assert calls["Get"] <= 6 + 4

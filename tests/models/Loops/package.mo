@@ -1,0 +1,3 @@
+within ;
+package Loops "Components that feed through, for algebraic loops between them"
+end Loops;
