@@ -85,6 +85,20 @@ def test_the_worst_of_many(cosim: Cosim, scenario: Path, account: Callable[..., 
     assert lines[14:] == ["8 more connections are in summary.json"]
 
 
+def test_energies(cosim: Cosim, scenario: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ends = {"effort": "m.tau", "flow": "l.w"}
+    known = {"given_J": 10.0, "taken_J": 9.75, "error_J": -0.25, "exchanged_J": 12.5, "relative": -0.02, "note": ""}
+    unknown: dict[str, object] = {**dict.fromkeys(known), "note": "not measured: l acts at instants"}
+    statistics: dict[str, object] = {"power": [{**ends, **known}, {**ends, **unknown}]}
+    result = engine.Result(np.array([0.0, 1.0]), {"plant.i_motor": np.zeros(2)}, statistics=statistics)
+    monkeypatch.setattr(_run, "simulate", lambda *_, **__: result)
+    assert told(cosim("run", scenario)) == [
+        "energy of m.tau * l.w: 12.5 J exchanged, -0.25 J added by the coupling, -2 % of it",
+        "energy of m.tau * l.w: not measured: l acts at instants",
+    ]
+    assert json.loads(Path("results/x/summary.json").read_text())["power"] == statistics["power"]
+
+
 def test_it_can_be_switched_off(cosim: Cosim, scenario: Path, simulated: list[dict[str, object]]) -> None:
     assert cosim("run", scenario, "--no-coupling-error").exit_code == 0
     assert simulated[0]["coupling_error"] is False

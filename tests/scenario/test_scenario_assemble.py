@@ -10,7 +10,7 @@ from typing import cast
 
 import pytest
 
-from cosim.engine import Connection, Fmu, System, Variable
+from cosim.engine import Connection, Fmu, PowerConnection, System, Variable
 from cosim.errors import FmuError, InputError
 from cosim.scenario import ScenarioWarning, assemble, read
 
@@ -35,6 +35,7 @@ def fmu(name: str, *variables: Variable) -> Fmu:
         path=Path(f"{name}.fmu"),
         variables={v.name: v for v in variables},
         capabilities={"canBeInstantiatedOnlyOncePerProcess": False},
+        left_out={},
     )
     return cast(Fmu, fake)
 
@@ -70,7 +71,8 @@ CONTROLLER = fmu(
 )
 OTHER = fmu("Other", variable("volt", "input", "V"), variable("u", "output", "1"), variable("ext_load", "parameter"))
 CLASH = fmu("Clash", variable("i_motor", "input", "V"), variable("duty", "output", "1"))
-FMUS = {"plant": PLANT, "control": CONTROLLER, "other": OTHER, "clash": CLASH}
+LOAD = fmu("Load", variable("tau", "input", "N.m"), variable("w", "output", "rad/s"))
+FMUS = {"plant": PLANT, "control": CONTROLLER, "other": OTHER, "clash": CLASH, "load": LOAD}
 
 Assemble = Callable[..., System]
 
@@ -197,6 +199,39 @@ def test_a_map_replaces_the_name(build: Assemble) -> None:
     system = build("# map: plant.tau_crank -> controller.torque\n# map: controller.duty -> plant.free\n")
     assert Connection(("plant", "tau_crank"), ("controller", "torque")) in system.connections
     assert Connection(("controller", "duty"), ("plant", "free")) in system.connections
+
+
+LOADED = "# map: plant.tau_crank -> controller.tau\n# map: controller.w -> plant.free\n"
+
+
+def test_a_power_is_an_effort_and_a_flow(build: Assemble) -> None:
+    system = build(f"{LOADED}# power: plant.tau_crank * controller.w\n", controller="load")
+    assert system.power == [PowerConnection(("plant", "tau_crank"), ("controller", "w"))]
+    turned = build(f"# power: -plant.tau_crank*controller.w\n{LOADED}", controller="load")
+    assert turned.power == [PowerConnection(("plant", "tau_crank"), ("controller", "w"), -1.0)]
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (
+            "plant.tau_crank controller.w",
+            "'plant.tau_crank controller.w' is not a power; write 'power: component.effort * component.flow', for "
+            "example 'power: motor.tau * load.w'",
+        ),
+        (
+            "plant.tau_crank * controller.omega",
+            "controller.omega: Load has no output omega; its outputs are w",
+        ),
+        (
+            "plant.i_motor * controller.w",
+            "power plant.i_motor * controller.w: plant.i_motor drives no input of controller; power goes over one "
+            "connection each way",
+        ),
+    ],
+)
+def test_a_power_that_is_refused(refusal: Callable[..., str], line: str, message: str) -> None:
+    assert refusal(f"{LOADED}# power: {line}\n", controller="load") == f"6: {message}"
 
 
 PARAMETERS = "parameters are plant.ext_load, plant.motor.R, plant.n, plant.brake, plant.load, plant.file"
@@ -370,7 +405,7 @@ def test_types_that_do_not_fit_are_refused_with_the_file(refusal: Callable[..., 
 
 
 def test_fmus_that_are_not_there(refusal: Callable[..., str], tmp_path: Path) -> None:
-    assert refusal("", controller="linkge") == "2: no built-in 'linkge'; there are plant, control, other, clash"
+    assert refusal("", controller="linkge") == "2: no built-in 'linkge'; there are plant, control, other, clash, load"
     assert refusal("", controller="my/own.fmu") == f"2: there is no FMU '{tmp_path / 'my/own.fmu'}'"
     assert refusal("", controller="system.SSP") == (
         "2: 'system.SSP' is a whole system; give it as 'system', without a controller"

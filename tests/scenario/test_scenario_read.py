@@ -124,7 +124,9 @@ def test_options_win_over_the_file(tmp_path: Path) -> None:
     assert scenario.settings == (Setting("plant.ext_load", "5 N.m", "--set"),)
 
 
-KEYS = "keys are title, system, controller, stop, sample_time, output_interval, tolerance, set, map, linear, fault"
+KEYS = (
+    "keys are title, system, controller, stop, sample_time, output_interval, tolerance, set, map, linear, fault, power"
+)
 UNITS = (
     "accepted are SI symbols with prefixes and bare exponents, joined by '.' and '/', such as "
     "N.m, kg.m2, rad/s, V.s/rad, m/s2, Ohm, ms, deg, rpm, degC, % or 1 for a plain number"

@@ -1,4 +1,4 @@
-"""What a run tells of the exchange between its components: delays and coupling errors, as a table or a line."""
+"""What a run tells of the exchange between its components: delays, coupling errors and energies."""
 
 from __future__ import annotations
 
@@ -39,6 +39,19 @@ def show_coupling(summary: Mapping[str, Any], screen: Screen) -> None:
         others.append(f"{len(entries) - len(inexact)} more connections are sampled, without such an error")
     for text in others:
         screen.say(text)
+
+
+def show_power(summary: Mapping[str, Any], screen: Screen) -> None:
+    """Print a line for each power connection: what the coupling has added to the energy that goes over it."""
+    for entry in summary["power"] if screen.talks else ():
+        name = f"energy of {entry['effort']} * {entry['flow']}"
+        if entry["error_J"] is None:
+            screen.say(f"{name}: {entry['note']}")
+            continue
+        share = f", {100.0 * entry['relative']:.2g} % of it" if entry["relative"] is not None else ""
+        note = f" ({entry['note']})" if entry["note"] else ""
+        added = f"{entry['error_J']:.2g} J added by the coupling{share}{note}"
+        screen.say(f"{name}: {entry['exchanged_J']:.3g} J exchanged, {added}")
 
 
 def _cells(entry: Mapping[str, Any]) -> tuple[str, ...]:

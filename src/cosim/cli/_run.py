@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from cosim.cli._builtin import locate
-from cosim.cli._coupling import show_coupling
+from cosim.cli._coupling import show_coupling, show_power
 from cosim.cli._isolation import Isolation
 from cosim.cli._screen import INTERRUPTED, Screen
 from cosim.engine import Result, System, explain_timing, simulate
@@ -150,6 +150,7 @@ def _run(
         else:
             screen.say(_account(file, outcome.summary, folder))
             show_coupling(outcome.summary, screen)
+            show_power(outcome.summary, screen)
     except CosimError as error:
         outcome.exit_code, outcome.message = error.exit_code, str(error)
     except OSError as error:

@@ -10,6 +10,7 @@ from cosim.engine._fault import RANDOM as RANDOM_FAULTS
 from cosim.engine._fault import Fault, FaultKind, described
 from cosim.engine._fmu import Fmu, Interface
 from cosim.engine._isolation import Isolate
+from cosim.engine._power import PowerConnection
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._role import Role, role_of
 from cosim.engine._simulate import simulate
@@ -33,6 +34,7 @@ __all__ = [
     "Interface",
     "Isolate",
     "PartialResultError",
+    "PowerConnection",
     "Result",
     "Role",
     "SimulationInterrupted",

@@ -55,6 +55,7 @@ class Job:
             "algorithm": algorithm,
             "step": self.step,
             "parts": self.parts,
+            **({"power": ", ".join(map(str, self.system.power))} if self.system.power else {}),
         }
 
 
@@ -218,6 +219,7 @@ def statistics(plan: Plan, record: Record, wall: float, broken: Instance | None 
     fixed = {p.instance.name: p.period for p in plan.continuous if p.due < math.inf}
     return {
         "wall_s": wall,
+        **({"power": plan.power.account()} if plan.power.entries else {}),
         "loop": record.loop,
         "exchanges": record.exchanges,
         "roles": {p.instance.name: p.role.value for p in participants},

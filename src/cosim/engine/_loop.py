@@ -44,6 +44,7 @@ def run(
         plan.faults.arrive(now)
         exchange(plan, now, recording=True)
         plan.faults.settle(now)
+        plan.power.begin(values)
     while True:
         if now >= grid[record.count] - SAME_INSTANT:
             _put_row(plan, record)
@@ -108,6 +109,7 @@ def run_jacobi(
         plan.faults.arrive(0.0)
         plan.schedule.apply(0.0, values)
         plan.faults.settle(0.0)
+        plan.power.begin(values)
     while True:
         if record.now >= grid[record.count] - SAME_INSTANT:
             record.put(values)
@@ -127,6 +129,7 @@ def run_jacobi(
         recording = t >= grid[record.count] - SAME_INSTANT
         for participant in plan.continuous:
             participant.read(recording)
+        plan.power.end(values, plan.inputs, step)
         for line in plan.lines:
             values[line.slot] = line.at(t)
         plan.faults.arrive(t)
@@ -164,6 +167,7 @@ def advance(plan: Plan, now: float, t: float, recording: bool) -> None:
         participant.write()
         participant.step(now, h)
         participant.read(recording)
+    plan.power.end(values, plan.inputs, h)
     for line in plan.lines:
         values[line.slot] = line.at(t)
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from ctypes import addressof, c_char_p, c_size_t
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -21,9 +21,10 @@ from cosim.engine._channels import Line, Schedule, first_value
 from cosim.engine._fault_memory import FaultMemory
 from cosim.engine._fault_signals import Source, faulty_inputs
 from cosim.engine._instance import Instance
-from cosim.engine._memory import Memory
+from cosim.engine._memory import Memory, Numbers
 from cosim.engine._order import continuous_order, discrete_order
 from cosim.engine._participant import Binaries, Buffer, InputGroup, OutputGroup, Participant
+from cosim.engine._power_meter import PowerMeter, meter_of
 from cosim.engine._role import Role, fixed_step_of, period_of, role_of
 from cosim.engine._signal_faults import SignalFaults
 from cosim.engine._system import Channel, Component, System, dotted
@@ -54,6 +55,7 @@ class Plan:
     schedule: Schedule
     lines: list[Line]
     faults: SignalFaults
+    power: PowerMeter
     coupled: bool
     first_text: int
     texts: dict[int, bytes]
@@ -117,6 +119,10 @@ def make_plan(
     discrete = [c for c in system.components if roles[c.name] is not Role.CONTINUOUS]
     names = {component.name for component in continuous}
     coupled = any(c.source[0] in names and c.target[0] in names for c in system.connections)
+    power = meter_of(system, columns, _places(participants.values()), output_interval)
+    memory: dict[str, Memory] = {"faults": FaultMemory(faults)} if faults.inputs else {}
+    if power.bonds:
+        memory["power"] = Numbers(power.start, power.energies)
     return Plan(
         values=values,
         inputs=inputs,
@@ -129,12 +135,23 @@ def make_plan(
         schedule=Schedule(holds, lines),
         lines=lines,
         faults=faults,
+        power=power,
         coupled=coupled or bool(lines),
         first_text=total + 1,
         texts=present,
         signals=signals,
-        memory={"faults": FaultMemory(faults)} if faults.inputs else {},
+        memory=memory,
     )
+
+
+def _places(participants: Iterable[Participant]) -> dict[tuple[str, str], int]:
+    """Return the places of all driven inputs."""
+    return {
+        (participant.instance.name, name): wire.target
+        for participant in participants
+        for group in participant.input_groups
+        for wire, name in zip(group.wires, group.names, strict=True)
+    }
 
 
 def _period(component: Component, role: Role, output_interval: float) -> float:

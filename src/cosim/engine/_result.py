@@ -36,6 +36,11 @@ class Result:
     interval between communication points with which the error falls, and ``target_outputs``, the output of the target
     that is off most. ``error`` is None where ``note`` says that there is none, or why it is not known.
 
+    Where a system has power connections, ``power`` has an entry for each: ``effort``, ``flow``, ``given_J`` and
+    ``taken_J``, the energies [J] that one side has given and the other has taken, ``error_J``, the difference, which
+    the coupling has added, ``exchanged_J``, the integral of the power without its sign, ``relative``, the error as a
+    share of that, and ``note``, for what is approximate or not measured.
+
     After a resumed run ``resumed_at_s`` [s] tells from where, all other counts are from 0 on, and ``wall_s`` is that of
     the rest. ``checkpoints`` are those that ``simulate`` was asked for, as far as it came.
     """

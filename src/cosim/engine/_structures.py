@@ -133,6 +133,15 @@ class Line(Structure):
     ]
 
 
+class Bond(Structure):
+    _fields_ = [
+        *((name, c_int64) for name in ("effort", "flow")),
+        *((name, c_void_p) for name in ("held_effort", "held_flow")),
+        *((name, c_double) for name in ("effort_factor", "effort_offset", "flow_factor", "flow_offset", "watts")),
+        *((name, c_void_p) for name in ("start", "energies")),
+    ]
+
+
 class Text(Structure):
     _fields_ = [("bytes", c_void_p), ("size", c_size_t), ("room", c_size_t)]
 
@@ -153,11 +162,11 @@ class Engine(Structure):
             (name, c_void_p)
             for name in (
                 *("values", "grid", "rows", "discrete", "continuous", "changes", "lines", "texts"),
-                *("faulty", "fault_clock"),
+                *("faulty", "fault_clock", "bonds"),
             )
         ),
         *((name, c_int64) for name in ("n_values", "n_recorded", "n_rows", "first_text")),
-        *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines", "n_faulty")),
+        *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines", "n_faulty", "n_bonds")),
         ("change", c_int64),
         *((name, c_double) for name in ("step", "pause")),
         *((name, c_int32) for name in ("coupled", "started", "not_a_number", "parts")),
@@ -180,5 +189,5 @@ class Fault(Structure):
 SIZES = tuple(
     ctypes.sizeof(s) for s in (Wire, Group, FaultState, SignalFault, FaultyInput, FaultClock, Trigger, Component)
 )
-SIZES += tuple(ctypes.sizeof(s) for s in (Change, Line, Text, Engine, Fault))
+SIZES += tuple(ctypes.sizeof(s) for s in (Change, Line, Bond, Text, Engine, Fault))
 """Of the structures, in the order in which the library reports its own."""

@@ -6,9 +6,11 @@ import difflib
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 
 from cosim.engine._fault import Fault
 from cosim.engine._fmu import Fmu
+from cosim.engine._power import PowerConnection, check_power
 from cosim.engine._variable import OPAQUE, Value, Variable
 from cosim.errors import FmuError, InputError
 
@@ -72,6 +74,7 @@ class Channel:
 class System:
     """Components, and what drives their inputs; an input that nothing drives keeps its start value.
 
+    ``power`` are pairs of connections that carry power: runs tell how much energy the coupling has added to each.
     ``faults`` are done on purpose to what the inputs get; those of one input act in the order in which they are here.
     """
 
@@ -79,6 +82,7 @@ class System:
     connections: list[Connection] = field(default_factory=list)
     channels: list[Channel] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
+    power: list[PowerConnection] = field(default_factory=list)
 
     def check(self) -> None:
         """Raise InputError (FmuError for a variable that an FMU does not have) if this system cannot be simulated."""
@@ -103,6 +107,8 @@ class System:
             _check_table(channel, target)
         for fault in self.faults:
             fault.check(_find(by_name, fault.target, "input"))
+        for power in self.power:
+            check_power(power, self.connections, partial(_find, by_name))
 
 
 def dotted(end: tuple[str, str]) -> str:

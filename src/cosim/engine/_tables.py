@@ -75,6 +75,8 @@ class Tables:
             faulty=addressof(self._faulty),
             n_faulty=len(self._faulty),
             fault_clock=addressof(plan.faults.clock),
+            bonds=self._bonds(),
+            n_bonds=len(plan.power.bonds),
             change=plan.schedule.position,
             step=step or 0.0,
             pause=pause - SAME_INSTANT,
@@ -215,6 +217,27 @@ class Tables:
             kind=fault.kind,
             stepwise=fault.stepwise,
         )
+
+    def _bonds(self) -> int:
+        power = self._plan.power
+        start, energies = power.start.buffer_info()[0], power.energies.buffer_info()[0]
+        bonds = [
+            structures.Bond(
+                bond.effort,
+                bond.flow,
+                self._inputs + 8 * bond.held_effort,
+                self._inputs + 8 * bond.held_flow,
+                bond.effort_factor,
+                bond.effort_offset,
+                bond.flow_factor,
+                bond.flow_offset,
+                bond.watts,
+                start + 16 * i,
+                energies + 24 * i,
+            )
+            for i, bond in enumerate(power.bonds)
+        ]
+        return self._keep((structures.Bond * len(bonds))(*bonds))
 
     def _changes(self, schedule: Schedule) -> int:
         changes = [structures.Change(time, value, slot) for time, slot, value in schedule.changes]

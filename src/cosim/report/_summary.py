@@ -34,8 +34,8 @@ def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
     """Return the summary of a run, ready for JSON: numbers that JSON does not know are texts such as ``inf``.
 
     ``wall_s`` [s], ``second_wall_s`` [s] of the run for the coupling error, and ``real_time_factor`` (simulated per
-    elapsed time) are the only entries that differ between two runs of one scenario. ``coupling`` is as in ``Result``.
-    ``solver_steps`` and ``rejected_steps`` are sums over the FMUs that publish them, else None.
+    elapsed time) are the only entries that differ between two runs of one scenario. ``coupling`` and ``power``
+    are as in ``Result``. ``solver_steps`` and ``rejected_steps`` are sums over the FMUs that publish them, else None.
     """
     statistics = result.statistics
     wall = statistics.get("wall_s")
@@ -58,6 +58,7 @@ def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
         "rejected_steps": _total(statistics, "rejected_steps"),
         "events": _events(statistics),
         "coupling": statistics.get("coupling", []),
+        "power": statistics.get("power", []),
         "components": {component.name: _component(component, statistics) for component in system.components},
         "faults": faults(result, system),
         "linear_channels": linear_channels(system, run.output_interval),

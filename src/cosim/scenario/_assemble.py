@@ -8,7 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from cosim.engine import Channel, Component, Connection, Fmu, System
+from cosim.engine import Channel, Component, Connection, Fmu, PowerConnection, System
 from cosim.errors import InputError
 from cosim.scenario._faults import assemble_faults
 from cosim.scenario._model import Column, Scenario, ScenarioWarning, Setting, is_structure
@@ -78,10 +78,18 @@ def _assemble_structure(scenario: Scenario) -> System:
 
 
 def _checked(system: System, scenario: Scenario) -> System:
+    """Return the system with what may follow on its connections, once all of it fits together."""
     try:
         system.check()
     except InputError as error:
         raise _located(error, scenario) from error
+    for power in scenario.powers:
+        effort, flow = (regrouped(end, system.components) for end in (power.effort, power.flow))
+        system.power.append(PowerConnection(effort, flow, power.sign))
+        try:
+            system.check()
+        except InputError as error:
+            raise _located(error, scenario, power.line) from error
     return system
 
 

@@ -10,12 +10,12 @@ from pathlib import Path
 from cosim.engine import LEAST_TOLERANCE
 from cosim.errors import InputError
 from cosim.scenario._faults import EXAMPLE, parse_fault
-from cosim.scenario._model import FaultLine, Link, Setting, suggestion
+from cosim.scenario._model import FaultLine, Link, Power, Setting, suggestion
 from cosim.units import Unit, convert, parse, quantity
 
 _TIMES = ("stop", "sample_time", "output_interval")
 _SINGLE = ("title", "system", "controller", *_TIMES, "tolerance")
-KEYS = (*_SINGLE, "set", "map", "linear", "fault")
+KEYS = (*_SINGLE, "set", "map", "linear", "fault", "power")
 _NUMERIC = (*_TIMES, "tolerance", "set", "fault")
 OVERRIDES = (*_TIMES, "tolerance", "controller", "system")
 
@@ -45,6 +45,7 @@ class Keys:
     links: list[Link] = field(default_factory=list)
     linear: list[tuple[str, int | None]] = field(default_factory=list)
     faults: list[FaultLine] = field(default_factory=list)
+    powers: list[Power] = field(default_factory=list)
 
 
 def parse_keys(path: Path, lines: Iterable[tuple[int, str]], plain_decimal: Callable[[str], str] = str) -> Keys:
@@ -113,6 +114,8 @@ def _take(keys: Keys, key: str, value: str, place: _Place) -> None:
         keys.links.append(Link(*_arrow(value, place), place.line))
     elif key == "fault":
         keys.faults.append(parse_fault(value, place.file, place.line))
+    elif key == "power":
+        keys.powers.append(_power(value, place))
     elif key == "linear":
         keys.linear += [(name, place.line) for name in re.split(r"[,;\s]+", value) if name]
     else:
@@ -130,6 +133,7 @@ _EXPECTED = {
     "map": "write 'map: component.output -> component.input', for example 'map: plant.i_motor -> controller.current'",
     "fault": f"write {EXAMPLE}",
     "linear": "write the names of the columns to interpolate, separated by commas",
+    "power": "write 'power: component.effort * component.flow', for example 'power: motor.tau * load.w'",
 }
 
 
@@ -181,3 +185,12 @@ def _arrow(text: str, place: _Place) -> tuple[tuple[str, str], tuple[str, str]]:
         case [(str(a), str(x)), (str(b), str(y))] if a and x and b and y:
             return (a, x), (b, y)
     raise place.fail(f"'{text}' is not a connection; {_EXPECTED['map']}")
+
+
+def _power(text: str, place: _Place) -> Power:
+    plain = text.removeprefix("-")
+    ends = [tuple(end.strip().partition(".")[::2]) for end in plain.split("*")]
+    match ends:
+        case [(str(a), str(x)), (str(b), str(y))] if a and x and b and y:
+            return Power((a, x), (b, y), 1.0 if plain == text else -1.0, place.line)
+    raise place.fail(f"'{text}' is not a power; {_EXPECTED['power']}")

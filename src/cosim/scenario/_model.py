@@ -57,6 +57,16 @@ class FaultLine:
 
 
 @dataclass(frozen=True)
+class Power:
+    """A pair of connections that carry power: ``power: motor.tau * load.w``; both as (component, variable)."""
+
+    effort: tuple[str, str]
+    flow: tuple[str, str]
+    sign: float
+    line: int | None
+
+
+@dataclass(frozen=True)
 class Column:
     """A channel of the table, in its own unit (``None``: the header gives none).
 
@@ -88,6 +98,7 @@ class Scenario:
     tolerance: float
     settings: tuple[Setting, ...] = ()
     links: tuple[Link, ...] = ()
+    powers: tuple[Power, ...] = ()
     columns: tuple[Column, ...] = ()
     faults: tuple[FaultLine, ...] = ()
     key_lines: dict[str, int | None] = field(default_factory=dict)

@@ -57,6 +57,7 @@ def read(
         stop=_stop(table, keys, times),
         settings=tuple(keys.settings),
         links=tuple(keys.links),
+        powers=tuple(keys.powers),
         columns=columns,
         faults=tuple(keys.faults),
         key_lines=keys.lines,

@@ -27,6 +27,7 @@ OFTEN void enter(Engine *engine, const Component *component, CalledFunction func
 #include "signal_faults.c"
 #include "access.c"
 #include "component.c"
+#include "power.c"
 #include "record.c"
 #include "loop.c"
 #if !WATCHED

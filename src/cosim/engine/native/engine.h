@@ -169,6 +169,16 @@ struct Line {
     int64_t slot, middle;
 };
 
+/* A power connection: signals of effort and flow, and the inputs that hold factor * signal + offset; `watts` is what a
+ * product of 1 is, with its sign. `start` are both signals where the macro step begins, `energies` those given, taken
+ * and exchanged. */
+typedef struct {
+    int64_t effort, flow;
+    const double *held_effort, *held_flow;
+    double effort_factor, effort_offset, flow_factor, flow_offset, watts;
+    double *start, *energies;
+} Bond;
+
 /* A text or a Binary that a component has put out. Its signal counts how often it has changed. */
 typedef struct {
     char *bytes; /* allocated here, and a zero behind them; null if it has never been read */
@@ -215,8 +225,9 @@ typedef struct {
     Text *texts;         /* of the signals from first_text on */
     const FaultyInput *faulty;
     FaultClock *fault_clock;
+    const Bond *bonds;
     int64_t n_values, n_recorded, n_rows, first_text;
-    int64_t n_discrete, n_continuous, n_changes, n_lines, n_faulty;
+    int64_t n_discrete, n_continuous, n_changes, n_lines, n_faulty, n_bonds;
     int64_t change;      /* the first that was not yet applied */
     double step;         /* macro step; fixed-step algorithm only */
     double pause;        /* the first communication point at or after it is where to return */

@@ -53,6 +53,7 @@ static bool advance(Engine *engine, double now, double t, bool recording) {
             return false;
         }
     }
+    if (engine->n_bonds > 0) end_power(engine, h);
     if (engine->n_lines > 0) set_lines(engine, t);
     return true;
 }
@@ -118,6 +119,7 @@ static bool go_on_jacobi(Engine *engine) {
     for (Component *component = engine->continuous; component < end; component++) {
         if (!read_outputs(engine, component, recording)) return false;
     }
+    if (engine->n_bonds > 0) end_power(engine, h);
     if (engine->n_lines > 0) set_lines(engine, t);
     if (engine->n_faulty > 0) arrive_faults(engine, t);
     if (next_change(engine) <= t + SAME_INSTANT) apply_changes(engine, t);
@@ -134,6 +136,7 @@ static bool start(Engine *engine) {
     if (engine->step > 0.0) apply_changes(engine, 0.0);
     else if (!exchange(engine, 0.0, true)) return false;
     if (engine->n_faulty > 0) settle_faults(engine, 0.0);
+    begin_power(engine);
     return true;
 }
 
@@ -170,7 +173,7 @@ EXPORT void cosim_sizes(int64_t *sizes) {
     const size_t known[] = {
         sizeof(Wire),       sizeof(Group),   sizeof(FaultState), sizeof(SignalFault), sizeof(FaultyInput),
         sizeof(FaultClock), sizeof(Trigger), sizeof(Component),  sizeof(Change),      sizeof(Line),
-        sizeof(Text),       sizeof(Engine),  sizeof(Fault),
+        sizeof(Bond),       sizeof(Text),    sizeof(Engine),     sizeof(Fault),
     };
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) sizes[i] = (int64_t)known[i];
 }
