@@ -20,6 +20,8 @@ class Arguments(TypedDict, total=False):
     progress: Callable[[float], None]
     algorithm: Algorithm
     step: float
+    extrapolation: int
+    coupling_error: bool
 
 
 Ending = Result | CosimError

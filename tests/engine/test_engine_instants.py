@@ -33,7 +33,7 @@ def integrator(fmu: Get, channel: Channel, version: int = 3) -> System:
 
 
 def run(system: System, stop: float, interval: float = 0.001) -> Result:
-    result = simulate(system, stop=stop, output_interval=interval, tolerance=1e-6)
+    result = simulate(system, stop=stop, output_interval=interval, tolerance=1e-6, algorithm="gauss-seidel")
     assert result.complete
     assert result.message is None
     return result

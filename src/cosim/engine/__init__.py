@@ -1,6 +1,6 @@
 """Co-simulation of FMUs: sampled components act at their own instants, without delay; the others run in between."""
 
-from cosim.engine._arguments import LEAST_TOLERANCE, Algorithm
+from cosim.engine._arguments import LEAST_TOLERANCE
 from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._coupling_error import EXACT
 from cosim.engine._explain import explain_timing
@@ -10,6 +10,7 @@ from cosim.engine._fault import RANDOM as RANDOM_FAULTS
 from cosim.engine._fault import Fault, FaultKind, described
 from cosim.engine._fmu import Fmu, Interface
 from cosim.engine._isolation import Isolate
+from cosim.engine._method import Algorithm
 from cosim.engine._power import PowerConnection
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._role import Role, role_of

@@ -72,12 +72,12 @@ class Companion:
         if all(self.notes):
             return None
         if job.step is not None:
-            return replace(job, step=0.5 * job.step)
-        return replace(job, parts=2 * job.parts)
+            return replace(job, method=replace(job.method, step=0.5 * job.step))
+        return replace(job, method=replace(job.method, parts=2 * job.method.parts))
 
     def compare(self, layout: Layout, coarse: Record, fine: Record, ending: Ending) -> Estimate:
         """Return how far the run was off, from it and the second one."""
-        order = 1
+        order = self._job.method.accuracy
         if ending.message is not None:
             note = f"{_NO_RUN}: with halved intervals, {ending.message}"
             return Estimate(order, {}, note, ending.interrupted)
@@ -96,7 +96,7 @@ class Companion:
     def account(self, layout: Layout, estimate: Estimate) -> list[dict[str, object]]:
         """Return what is known of each connection, ready for JSON: see ``Result.statistics``."""
         job = self._job
-        delays = delays_of(job.system, self._roles, job.output_interval, job.step, job.parts)
+        delays = delays_of(job.system, self._roles, job.output_interval, job.step, job.method.parts)
         return [
             _entry(connection, delay, note, layout, estimate)
             for connection, delay, note in zip(job.system.connections, delays, self.notes, strict=True)

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 
 from cosim.engine._order import continuous_order, discrete_order
 from cosim.engine._role import Role, fixed_step_of, has_period, period_of
 from cosim.engine._system import SAME_INSTANT, Component, Connection, System
+from cosim.errors import FmuError
 
 
 def delays_of(
@@ -38,7 +40,10 @@ def _period(component: Component, role: Role, output_interval: float) -> float |
     if role is Role.CONTINUOUS:
         step = fixed_step_of(component, output_interval)
         return step if step < math.inf else 0.0
-    return period_of(component, output_interval) if role is Role.SAMPLED or has_period(component.fmu) else None
+    if role is Role.SAMPLED or has_period(component.fmu):
+        with suppress(FmuError):  # of a period that cannot be, the run has told
+            return period_of(component, output_interval)
+    return None
 
 
 def _places(

@@ -9,13 +9,17 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 
+from cosim.engine._arguments import LEAST_TOLERANCE
 from cosim.engine._calls import Site
 from cosim.engine._checkpoint import Checkpoint
+from cosim.engine._couple import couple
+from cosim.engine._coupling_memory import CouplingMemory
 from cosim.engine._initialize import initialize
 from cosim.engine._instance import CallError, Instance
 from cosim.engine._instances import instantiate
 from cosim.engine._library import native_library
 from cosim.engine._loop import run, run_jacobi
+from cosim.engine._method import Method
 from cosim.engine._native import run_native
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Plan, make_plan, roles_of
@@ -26,35 +30,37 @@ from cosim.engine._setup import Setting
 from cosim.engine._system import Component, System
 from cosim.errors import FmuError
 
+_WITHIN = 0.01
+"""Tolerance of the FMUs where the errors of coupling are adapted to that of the run, of which it is this part."""
 _COUNTERS = ("steps", "rejected_steps", "rhs_evaluations", "jacobians", "state_events", "time_events")
 
 
 @dataclass(frozen=True)
 class Job:
-    """What is to be simulated, checked: times in s, ``step`` that of the Jacobi algorithm, None for the default one.
-
-    The default one steps continuous components in so many ``parts`` from instant to instant.
-    ``saving`` is None if nothing is saved and the run begins at 0.
-    """
+    """What is to be simulated, checked; times in s. ``saving`` is None if nothing is saved and the run begins at 0."""
 
     system: System
     stop: float
     output_interval: float
     tolerance: float
-    step: float | None = None
-    parts: int = 1
+    method: Method = field(default_factory=lambda: Method("gauss-seidel"))
     saving: Saving | None = None
+
+    @property
+    def step(self) -> float | None:
+        """The macro step [s] of the Jacobi algorithm; None for the others, which heed the roles of components."""
+        return self.method.step if self.method.is_fixed else None
 
     @property
     def settings(self) -> dict[str, Setting]:
         """What has to be the same where a run goes on from a checkpoint, besides the system."""
-        algorithm = "gauss-seidel" if self.step is None else "jacobi"
         return {
             "output_interval": self.output_interval,
             "tolerance": self.tolerance,
-            "algorithm": algorithm,
-            "step": self.step,
-            "parts": self.parts,
+            "algorithm": self.method.algorithm,
+            "step": self.method.step,
+            "extrapolation": self.method.order,
+            "parts": self.method.parts,
             **({"power": ", ".join(map(str, self.system.power))} if self.system.power else {}),
         }
 
@@ -95,7 +101,10 @@ def instantiated(job: Job, sites: Sequence[Site]) -> Iterator[Plan]:
             for component, site in zip(system.components, sites, strict=True):
                 event_mode = roles[component.name] is Role.EVENT
                 instances[component.name] = instantiate(component.name, component.fmu, event_mode, site)
-            yield make_plan(system, roles, instances, job.output_interval, job.stop)
+            plan = make_plan(system, roles, instances, job.output_interval, job.stop)
+            yield plan
+            if plan.coupling is not None:
+                plan.coupling.free()
         finally:
             for instance in instances.values():
                 instance.free()
@@ -164,6 +173,7 @@ def begin(job: Job, plan: Plan, record: Record) -> list[str]:
     """
     saving = job.saving
     if saving and saving.resume:
+        _couple(job, plan)
         restore(saving.resume, plan, record)
         apply(saving.parameters or {}, plan, record, job.step)
         return []
@@ -171,7 +181,16 @@ def begin(job: Job, plan: Plan, record: Record) -> list[str]:
         participant = next(p for p in (*plan.continuous, *plan.discrete) if p.instance.name == component.name)
         participant.instance.set_values(parameters_of(component))
     horizon = saving.horizon if saving else job.stop
-    return initialize(plan, job.system, job.tolerance, horizon if math.isfinite(horizon) else None)
+    tolerance = max(_WITHIN * job.tolerance, LEAST_TOLERANCE) if job.method.is_coupled else job.tolerance
+    remarks = initialize(plan, job.system, tolerance, horizon if math.isfinite(horizon) else None)
+    _couple(job, plan)
+    return remarks
+
+
+def _couple(job: Job, plan: Plan) -> None:
+    if job.method.is_coupled:
+        plan.coupling = couple(job.system, plan, job.method, job.tolerance, job.stop)
+        plan.memory["coupling"] = CouplingMemory(plan.coupling)
 
 
 def simulate_to(
@@ -182,11 +201,11 @@ def simulate_to(
         return
     library = native_library(record.loop)
     if library is not None:
-        run_native(library, plan, record, job.step, progress, job.parts, pause)
+        run_native(library, plan, record, job.method, progress, pause)
     elif job.step is not None:
         run_jacobi(plan, record, job.step, progress, pause)
     else:
-        run(plan, record, progress, job.parts, pause)
+        run(plan, record, job.method, progress, pause)
 
 
 class Clock:
@@ -222,6 +241,7 @@ def statistics(plan: Plan, record: Record, wall: float, broken: Instance | None 
         **({"power": plan.power.account()} if plan.power.entries else {}),
         "loop": record.loop,
         "exchanges": record.exchanges,
+        **({"algorithm": coupling.account()} if (coupling := plan.coupling) is not None else {}),
         "roles": {p.instance.name: p.role.value for p in participants},
         "steps": {p.instance.name: p.steps for p in participants},
         **({"fixed_step_s": fixed} if fixed else {}),

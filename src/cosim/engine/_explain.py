@@ -7,7 +7,7 @@ from contextlib import ExitStack, suppress
 from functools import partial
 from itertools import pairwise
 
-from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_steps, check_step
+from cosim.engine._arguments import check_arguments, check_fixed_steps
 from cosim.engine._calls import Site
 from cosim.engine._execution import Ending, Job
 from cosim.engine._fault import described
@@ -17,6 +17,7 @@ from cosim.engine._instance import CallError
 from cosim.engine._instances import instantiate
 from cosim.engine._isolation import Isolate, Progress, is_isolated, supervised
 from cosim.engine._loop import run, run_jacobi
+from cosim.engine._method import Algorithm, Method, choose
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Plan, lay_out, make_plan, roles_of
 from cosim.engine._probe import probe
@@ -38,7 +39,7 @@ def explain_timing(
     stop: float,
     output_interval: float,
     tolerance: float = 1e-6,
-    algorithm: Algorithm = "gauss-seidel",
+    algorithm: Algorithm = "auto",
     step: float | None = None,
     isolate: Isolate = "never",
     call_timeout: float = Limits.call,
@@ -53,11 +54,14 @@ def explain_timing(
     delay inside it. Raises as ``simulate`` does, SimulationError without a partial result.
     """
     check_arguments(stop, output_interval, tolerance)
-    check_step(algorithm, step, stop, output_interval)
     system.check()
-    check_fixed_steps(system, step)
+    method = choose(
+        system, roles_of(system), algorithm, step=step, extrapolation=None, stop=stop, output_interval=output_interval
+    )
+    if method.is_fixed:
+        check_fixed_steps(system, step)
     limits = Limits(call_timeout, memory_limit)
-    job = Job(system, stop, output_interval, tolerance, step)
+    job = Job(system, stop, output_interval, tolerance, method)
     width = lay_out(system).recorded
     if not is_isolated(isolate, system):
         record = Record.empty(stop, output_interval, width, "python")
@@ -130,7 +134,7 @@ def _traced(job: Job, trace: Trace, record: Record, sites: Sequence[Site]) -> Pl
                 if step is not None:
                     run_jacobi(plan, record, step, None)
                 else:
-                    run(plan, record, None)
+                    run(plan, record, Method("gauss-seidel"), None)
         except CallError as failure:
             raise SimulationError(failure_message(failure, record)) from failure
     return plan

@@ -101,6 +101,8 @@ class Fmu:
     dependencies: dict[str, frozenset[str] | None]
     initial_dependencies: dict[str, frozenset[str] | None]
     has_continuous_states: bool
+    state_names: tuple[str, ...]
+    """Those continuous states that the model description names: numbers that can be read at any time."""
     log_categories: tuple[str, ...]
 
     def __init__(
@@ -157,6 +159,10 @@ class Fmu:
         self.initial_dependencies = {name: frozenset() for variable in exact for name in names_of(variable)}
         self.initial_dependencies |= _dependencies(description.initialUnknowns)
         self.has_continuous_states = bool(description.derivatives)
+        states = [getattr(unknown.variable, "derivative", None) for unknown in description.derivatives]
+        self.state_names = tuple(
+            name for state in states if state is not None for name in names_of(state) if name in self.variables
+        )
         self.log_categories = tuple(category.name for category in description.logCategories)
         self._token = description.guid
         self._loaded: list[Library] = []

@@ -79,7 +79,7 @@ class Instance(ABC):
     """The function that steps takes no flags, as in FMI 1.0 and 2.0."""
     initializes_at_once: ClassVar[bool] = False
     """There is no Initialization Mode: inputs are set before the call that initialises, as in FMI 1.0."""
-    no_return: c_bool | c_int
+    no_return: c_bool | c_int = c_int(1)
     """What doStep is told: whether the FMU will never be put back to a state of before the step."""
     do_step: Call
     enter_event: Call

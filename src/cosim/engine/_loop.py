@@ -12,7 +12,9 @@ import time
 from collections.abc import Callable
 from math import inf, isnan
 
+from cosim.engine._advance import advance_in_steps
 from cosim.engine._instance import CallError
+from cosim.engine._method import Method
 from cosim.engine._plan import Plan
 from cosim.engine._record import Record
 from cosim.engine._role import Role
@@ -24,9 +26,9 @@ PROGRESS_INTERVAL = 0.05
 
 
 def run(
-    plan: Plan, record: Record, progress: Callable[[float], None] | None, parts: int = 1, pause: float = inf
+    plan: Plan, record: Record, method: Method, progress: Callable[[float], None] | None, pause: float = inf
 ) -> None:
-    """Simulate over the grid of ``record``, the continuous components in ``parts`` steps from instant to instant.
+    """Simulate over the grid of ``record``.
 
     It goes on from where the plan and the record are, and returns at the first communication point at or after
     ``pause`` [s], its row recorded. Raises CallError, the record holding what was computed until then.
@@ -59,12 +61,7 @@ def run(
         exchanging = instant <= row + SAME_INSTANT
         t = min(instant if exchanging else row, stop)
         recording = t >= row - SAME_INSTANT
-        begun = now
-        for part in range(1, parts):
-            until = now + (t - now) * part / parts
-            advance(plan, begun, until, recording=False)
-            begun = until
-        advance(plan, begun, t, recording)
+        record.exchanges += advance_in_steps(plan, method, now, t, recording) - 1
         for participant in undated:
             if participant.due == inf:
                 participant.carry(t)
@@ -144,32 +141,6 @@ def run_jacobi(
             progress(t)
     if progress is not None:
         progress(grid[-1])
-
-
-def advance(plan: Plan, now: float, t: float, recording: bool) -> None:
-    """Step the continuous components from ``now`` to t [s], each with what those before it have just put out.
-
-    Over a step a linear channel acts with its value in the middle: what an integrator makes of it is exact, and the
-    error of a state that reacts to it is of second order in the step.
-    """
-    values = plan.values
-    h = t - now
-    fixed = [p for p in plan.continuous if p.due < inf]
-    for participant in fixed:
-        participant.begin_fixed_step(now)
-    for line in plan.lines:
-        values[line.middle] = line.at(now + 0.5 * h)
-    plan.faults.begin_step(now, h)
-    for participant in plan.continuous:
-        if participant in fixed:
-            participant.end_fixed_step(t)
-            continue
-        participant.write()
-        participant.step(now, h)
-        participant.read(recording)
-    plan.power.end(values, plan.inputs, h)
-    for line in plan.lines:
-        values[line.slot] = line.at(t)
 
 
 def exchange(plan: Plan, t: float, recording: bool) -> None:

@@ -6,8 +6,11 @@ import math
 import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from math import ceil
 from typing import Literal, get_args
 
+from cosim.engine._fmu import Fmu
+from cosim.engine._graph import continuous_loops
 from cosim.engine._role import Role, fixed_step_of
 from cosim.engine._system import SAME_INSTANT, Component, Connection, System
 from cosim.errors import FmuError, FmuWarning, InputError
@@ -15,11 +18,12 @@ from cosim.errors import FmuError, FmuWarning, InputError
 Algorithm = Literal["auto", "gauss-seidel", "jacobi", "extrapolated", "iterated", "adaptive"]
 """How the components of a system are stepped; see ``simulate``."""
 
-ROLLBACK = ("iterated", "adaptive")
-"""Algorithms that repeat steps, from states that the FMUs give and take back."""
-
 _ORDERS = {"extrapolated": 1, "iterated": 2, "adaptive": 2}
 """Of the polynomials that continue the connected signals, unless the user chooses another."""
+
+
+_GO_BACK = ("iterated", "adaptive")
+"""Algorithms that repeat steps, from states that the FMUs give and take back."""
 
 
 @dataclass(frozen=True)
@@ -27,13 +31,21 @@ class Method:
     """An algorithm for one system.
 
     ``step`` [s] is the longest macro step, None for as long as possible; ``order`` is that of the polynomials by which
-    connected signals are continued into a step. Every interval between two instants is divided into ``parts`` at least.
+    connected signals are continued into a step. Every interval between two instants is divided into ``parts`` at
+    least. ``loops`` tells that links form algebraic loops, ``accuracy`` is the power of the macro step with which the
+    error of coupling falls.
     """
 
     algorithm: Algorithm
     step: float | None = None
     order: int = 0
     parts: int = 1
+    loops: bool = False
+    accuracy: int = 1
+
+    def divisions(self, h: float) -> int:
+        """Return into how many macro steps an interval of length h [s] between two instants is divided."""
+        return self.parts * (1 if self.step is None else max(1, ceil(h / self.step - 1e-6)))
 
     @property
     def is_fixed(self) -> bool:
@@ -45,18 +57,27 @@ class Method:
         """Tell whether connected signals are more than held over a step."""
         return self.algorithm in _ORDERS
 
+    @property
+    def goes_back(self) -> bool:
+        """Tell whether steps are repeated."""
+        return self.algorithm in _GO_BACK
+
 
 def links_of(system: System, roles: Mapping[str, Role], output_interval: float) -> list[Connection]:
-    """Return the connections over which continuous components that take steps of any length act on each other."""
+    """Return the connections over which continuous components that take steps of any length act on each other.
+
+    Inputs with faults are not among them: they hold what they get.
+    """
     free = {
         component.name: component.fmu
         for component in system.components
         if roles[component.name] is Role.CONTINUOUS and fixed_step_of(component, output_interval) == math.inf
     }
+    faulty = {fault.target for fault in system.faults}
     links: list[Connection] = []
     for connection in system.connections:
         (source, output), (target, name) = connection.source, connection.target
-        if source not in free or target not in free or source == target:
+        if source not in free or target not in free or source == target or connection.target in faulty:
             continue
         variable = free[source].variables[output]
         if (variable.type, free[target].variables[name].type) == ("Real", "Real") and variable.variability not in (
@@ -66,6 +87,21 @@ def links_of(system: System, roles: Mapping[str, Role], output_interval: float) 
         ):
             links.append(connection)
     return links
+
+
+def fed_through(fmu: Fmu, name: str) -> list[str]:
+    """Return the outputs that depend directly on an input, as far as the model description does not exclude it."""
+    outputs = [v.name for v in fmu.variables.values() if v.causality == "output" and v.type == "Real"]
+    return [o for o in outputs if (known := fmu.dependencies.get(o)) is None or name in known]
+
+
+def holds_end(fmu: Fmu, name: str) -> bool:
+    """Tell whether an input is better off with the value at the end of a step: one that is not corrected."""
+    through = fed_through(fmu, name)
+    if not through:
+        return False
+    arrays = any(fmu.variables[v].array is not None for v in (name, *through))
+    return arrays or not fmu.has_continuous_states or not fmu.capabilities["providesDirectionalDerivative"]
 
 
 def choose(
@@ -85,12 +121,13 @@ def choose(
     """
     _check(algorithm, step, extrapolation, stop, output_interval)
     links = links_of(system, roles, output_interval)
+    components = {component.name: component for component in system.components}
     ends = {name for link in links for name in (link.source[0], link.target[0])}
     members = [component for component in system.components if component.name in ends]
     lacking = [c for c in members if not c.fmu.capabilities["canGetAndSetFMUstate"]]
     if algorithm == "auto":
         algorithm = _automatic(links, lacking)
-    elif algorithm in ROLLBACK and lacking:
+    elif algorithm in _GO_BACK and lacking:
         raise FmuError(
             f"the algorithm {algorithm} repeats steps, but {_named(lacking)} cannot go back to a state "
             "(canGetAndSetFMUState); choose the algorithm extrapolated",
@@ -100,7 +137,10 @@ def choose(
         algorithm = "gauss-seidel"  # nothing is coupled continuously, and there is nothing to gain
     order = _ORDERS.get(algorithm, 0) if extrapolation is None else extrapolation
     assert algorithm in get_args(Algorithm)
-    return Method(algorithm, step, order)  # type: ignore[arg-type]
+    loops = bool(links) and bool(continuous_loops(system, roles))
+    held = any(holds_end(components[c.target[0]].fmu, c.target[1]) for c in links)
+    accuracy = 2 if order > 0 and not held else 1
+    return Method(algorithm, step, order, loops=loops, accuracy=accuracy)  # type: ignore[arg-type]
 
 
 def _automatic(links: list[Connection], lacking: list[Component]) -> str:

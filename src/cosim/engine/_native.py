@@ -8,9 +8,11 @@ from collections.abc import Callable
 from ctypes import byref
 from math import inf
 
+from cosim.engine._agreement import disagreement
 from cosim.engine._instance import CallError
 from cosim.engine._interrupt import DeferredInterrupt
 from cosim.engine._loop import PROGRESS_INTERVAL, check_numbers, endless
+from cosim.engine._method import Method
 from cosim.engine._participant import InputGroup
 from cosim.engine._plan import Plan
 from cosim.engine._record import Record
@@ -27,8 +29,10 @@ _UNFINISHED, _FINISHED, _BROKEN, _PAUSED = range(4)
     _NOT_A_NUMBER,
     _OUT_OF_RANGE,
     _OUT_OF_MEMORY,
-) = range(1, 10)
+    _DISAGREEMENT,
+) = range(1, 11)
 _FUNCTIONS = ("DoStep", "EnterEventMode", "EnterStepMode", "UpdateDiscreteStates")
+_OF_COUPLING = {5: "GetFMUState", 6: "SetFMUState", 7: "GetDirectionalDerivative"}
 
 _PIECE = 0.1
 """Wall time [s] after which Python looks whether the user wants to interrupt."""
@@ -38,13 +42,12 @@ def run_native(
     library: ctypes.CDLL,
     plan: Plan,
     record: Record,
-    step: float | None,
+    method: Method,
     progress: Callable[[float], None] | None,
-    parts: int = 1,
     pause: float = inf,
 ) -> None:
-    """Do what ``run`` does, or ``run_jacobi`` if there is a ``step`` [s], with the same numbers, bit for bit."""
-    tables = Tables(plan, record, step, parts, pause)
+    """Do what ``run`` does, or ``run_jacobi`` if the method asks for it, with the same numbers, bit for bit."""
+    tables = Tables(plan, record, method, pause)
     engine = tables.engine
     watched = any(participant.instance.site.watched for participant in (*plan.discrete, *plan.continuous))
     go_on = library.cosim_run_watched if watched else library.cosim_run
@@ -85,6 +88,10 @@ def _raise(tables: Tables, plan: Plan) -> None:
         raise participant.never_settles()
     elif failure.kind in (_ASKS_TO_END, _RETURNED_EARLY):
         instance.fail_to_go_on(early=failure.kind == _RETURNED_EARLY)
+    if failure.kind == _DISAGREEMENT and plan.coupling is not None:
+        raise disagreement(plan.coupling, failure.value)
+    if failure.kind == _CALL_FAILED and failure.function in _OF_COUPLING:
+        instance.check(_OF_COUPLING[failure.function], failure.status)
     if failure.kind == _CALL_FAILED and failure.function < len(_FUNCTIONS):
         instance.check(_FUNCTIONS[failure.function], failure.status)
     group = tables.groups[failure.group]

@@ -1,8 +1,8 @@
 """The flat tables that the loop runs over: one vector of signals, one of inputs, and groups of variables in them.
 
 Signals (``values``), in this order: the outputs of all components, the channels, what inputs with faults get, the
-middles of linear channels, a zero, from which the elements of arrays that nothing drives take their start values, and
-the texts and Binary variables that drive something.
+middles of linear channels, a zero, from which the elements of arrays that nothing drives take their start values, what
+linked inputs hold (see ``_coupling``), and the texts and Binary variables that drive something.
 The first ``recorded`` of them are the columns of the result. Each group of Float64 variables lies in one piece, so
 that the FMU reads and writes the doubles of these vectors themselves; other types go through a buffer. In a group of
 outputs those that drive something come first, so that between the rows of the result only they are read.
@@ -18,10 +18,12 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from cosim.engine._channels import Line, Schedule, first_value
+from cosim.engine._coupling import Coupling
 from cosim.engine._fault_memory import FaultMemory
 from cosim.engine._fault_signals import Source, faulty_inputs
 from cosim.engine._instance import Instance
 from cosim.engine._memory import Memory, Numbers
+from cosim.engine._method import links_of
 from cosim.engine._order import continuous_order, discrete_order
 from cosim.engine._participant import Binaries, Buffer, InputGroup, OutputGroup, Participant
 from cosim.engine._power_meter import PowerMeter, meter_of
@@ -38,10 +40,12 @@ class Plan:
 
     ``columns`` maps "component.variable" to its signal, in the order of the result; ``ends`` are the (component,
     variable) of the recorded signals, ``variables`` describes the columns. The signals from ``first_text`` on are those
-    of the texts, which are in ``texts``. ``signals`` has those of all outputs and channels. ``coupled`` tells whether
-    continuous components drive each other or follow a linear channel, so that every output point is an exchange.
-    ``memory`` has by name all else that the run's future depends on: what is neither in them, in the signals and
-    inputs, in a participant, in an FMU nor derived from the time is lost at a checkpoint.
+    of the texts, which are in ``texts``. ``signals`` has those of all outputs and channels, ``held`` the slots in which
+    the values of linked inputs may be put, by the inputs; ``coupling`` puts them there, from the end of initialisation
+    on, if the algorithm does. ``coupled`` tells whether continuous components drive each other or follow a linear
+    channel, so that every output point is an exchange. ``memory`` has by name all else that the run's future depends
+    on: what is neither in them, in the signals and inputs, in a participant, in an FMU nor derived from the time is
+    lost at a checkpoint.
     """
 
     values: array[float]
@@ -57,10 +61,12 @@ class Plan:
     faults: SignalFaults
     power: PowerMeter
     coupled: bool
+    held: dict[tuple[str, str], int]
     first_text: int
     texts: dict[int, bytes]
     signals: dict[tuple[str, str], int]
     memory: dict[str, Memory] = field(default_factory=dict)
+    coupling: Coupling | None = None
 
 
 def roles_of(system: System) -> dict[str, Role]:
@@ -81,8 +87,11 @@ def make_plan(
     Faults have what they need for a run to ``stop`` [s].
     """
     signals, columns, recorded, total, variables, faulty_slots = lay_out(system)
-    texts = _text_signals(system, total + 1)
-    values = array("d", bytes(8 * (total + 1 + len(texts))))
+    links = links_of(system, roles, output_interval)
+    held = {link.target: slot for slot, link in enumerate(links, total + 1)}
+    first_text = total + 1 + len(held)
+    texts = _text_signals(system, first_text)
+    values = array("d", bytes(8 * (first_text + len(texts))))
     holds, lines = _channel_signals(system, signals, values, total)
     ends = [*signals, *faulty_slots]
     signals |= texts
@@ -137,7 +146,8 @@ def make_plan(
         faults=faults,
         power=power,
         coupled=coupled or bool(lines),
-        first_text=total + 1,
+        held=held,
+        first_text=first_text,
         texts=present,
         signals=signals,
         memory=memory,

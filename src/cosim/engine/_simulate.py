@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.engine._arguments import Algorithm, check_arguments, check_fixed_steps, check_step
+from cosim.engine._arguments import check_arguments, check_fixed_steps
 from cosim.engine._calls import Site
 from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._coupling_error import Companion, Estimate, no_estimate
@@ -18,8 +18,9 @@ from cosim.engine._execution import Ending, Job, execute, instantiated, loop_nam
 from cosim.engine._fault import Fault
 from cosim.engine._fault_signals import resolved_faults
 from cosim.engine._isolation import Isolate, is_isolated, run_isolated
+from cosim.engine._method import Algorithm, choose
 from cosim.engine._parameters import parameters_of
-from cosim.engine._plan import Layout, lay_out
+from cosim.engine._plan import Layout, lay_out, roles_of
 from cosim.engine._record import Record
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._resume import Saving, check_can_save, check_resume, check_times
@@ -36,8 +37,9 @@ def simulate(
     output_interval: float,
     tolerance: float,
     progress: Callable[[float], None] | None = None,
-    algorithm: Algorithm = "gauss-seidel",
+    algorithm: Algorithm = "auto",
     step: float | None = None,
+    extrapolation: int | None = None,
     isolate: Isolate = "never",
     call_timeout: float = Limits.call,
     memory_limit: float | None = Limits.memory,
@@ -80,18 +82,27 @@ def simulate(
     Ctrl-C: both carry the rows computed until then as ``result``.
     """
     check_arguments(stop, output_interval, tolerance)
-    check_step(algorithm, step, stop, output_interval)
     loop = loop_name()
     system.check()
-    check_fixed_steps(system, step)
-    if step is None:
+    method = choose(
+        system,
+        roles_of(system),
+        algorithm,
+        step=step,
+        extrapolation=extrapolation,
+        stop=stop,
+        output_interval=output_interval,
+    )
+    if method.is_fixed:
+        check_fixed_steps(system, step)
+    else:
         warn_of_fixed_steps(system.components, output_interval)
     for component in system.components:
         parameters_of(component)
     limits = Limits(call_timeout, memory_limit)
     faults = resolved_faults(system, stop, output_interval)
     layout = lay_out(system)
-    job = Job(system, stop, output_interval, tolerance, step)
+    job = Job(system, stop, output_interval, tolerance, method)
     if checkpoint_at or resume is not None:
         job = replace(job, saving=_saving(job, checkpoint_at, checkpoint_to, resume))
     isolated = is_isolated(isolate, system)

@@ -115,8 +115,48 @@ class Component(Structure):
         *((name, c_int64) for name in ("ticks", "steps", "events")),
         *(
             (name, c_int32)
-            for name in ("fmi", "role", "number", "in_event_mode", "event_needed", "stale", "plain_step")
+            for name in ("fmi", "role", "number", "in_event_mode", "event_needed", "stale", "plain_step", "no_return")
         ),
+    ]
+
+
+class Link(Structure):
+    _fields_ = [
+        ("wire", Wire),
+        ("slot", c_int64),
+        *((name, c_int32) for name in ("ahead", "holds_end", "observed", "unused")),
+    ]
+
+
+class Correction(Structure):
+    _fields_ = [
+        *((name, c_void_p) for name in ("derivative", "inputs", "outputs", "links", "slots", "seed", "slope", "raw")),
+        ("n_links", c_int64),
+        ("n_slots", 2 * c_int64),
+    ]
+
+
+class Member(Structure):
+    _fields_ = [
+        *((name, c_void_p) for name in ("component", "links", "correction", "reads", "observed", "full", "scale")),
+        *((name, c_void_p) for name in ("save", "restore", "states")),
+        *((name, c_int64) for name in ("n_links", "n_observed")),
+        ("numbers", 4 * c_int32),
+    ]
+
+
+class Coupling(Structure):
+    _arrays = ("start", "end", "last", "before", "full", "magnitudes", "times", "was", "matrix", "inputs")
+    _scratch = ("residual", "change", "probed", "scratch", "energies", "powers")
+    _counts = ("n_links", "n_members", "n_others", "n_cut", "n_steady", "n_numbers", "n_inputs", "known")
+    _fields_ = [
+        *((name, c_void_p) for name in ("links", "members", "others", "cut", "steady", *_arrays, *_scratch)),
+        ("kept", 2 * c_void_p),
+        *((name, c_int64) for name in _counts),
+        ("known_then", 2 * c_int64),
+        *((name, c_int64) for name in ("macro_steps", "rejected", "repeated", "forced")),
+        *((name, c_double) for name in ("tolerance", "stop", "wanted", "usual", "error", "divisor", "allowed")),
+        *((name, c_int32) for name in ("method", "order", "loops", "has_matrix")),
     ]
 
 
@@ -161,14 +201,14 @@ class Engine(Structure):
         *(
             (name, c_void_p)
             for name in (
-                *("values", "grid", "rows", "discrete", "continuous", "changes", "lines", "texts"),
+                *("values", "grid", "rows", "discrete", "continuous", "changes", "lines", "coupling", "texts"),
                 *("faulty", "fault_clock", "bonds"),
             )
         ),
         *((name, c_int64) for name in ("n_values", "n_recorded", "n_rows", "first_text")),
         *((name, c_int64) for name in ("n_discrete", "n_continuous", "n_changes", "n_lines", "n_faulty", "n_bonds")),
         ("change", c_int64),
-        *((name, c_double) for name in ("step", "pause")),
+        *((name, c_double) for name in ("step", "longest", "pause")),
         *((name, c_int32) for name in ("coupled", "started", "not_a_number", "parts")),
         ("failure", Failure),
     ]
@@ -187,7 +227,10 @@ class Fault(Structure):
 
 
 SIZES = tuple(
-    ctypes.sizeof(s) for s in (Wire, Group, FaultState, SignalFault, FaultyInput, FaultClock, Trigger, Component)
+    ctypes.sizeof(structure)
+    for structure in (
+        *(Wire, Group, FaultState, SignalFault, FaultyInput, FaultClock, Trigger, Component),
+        *(Change, Line, Bond, Text, Engine, Fault, Link, Correction, Member, Coupling),
+    )
 )
-SIZES += tuple(ctypes.sizeof(s) for s in (Change, Line, Bond, Text, Engine, Fault))
 """Of the structures, in the order in which the library reports its own."""

@@ -10,7 +10,9 @@ from typing import Any
 from cosim.engine import _structures as structures
 from cosim.engine._calls import NUMBERS
 from cosim.engine._channels import Line, Schedule
+from cosim.engine._coupling_table import CouplingTable
 from cosim.engine._instance import Access
+from cosim.engine._method import Method
 from cosim.engine._participant import Binaries, InputGroup, OutputGroup, Participant
 from cosim.engine._plan import Plan
 from cosim.engine._record import Record
@@ -31,12 +33,8 @@ class Tables:
     counts them. ``engine`` lies in the memory that the record has for it.
     """
 
-    def __init__(self, plan: Plan, record: Record, step: float | None, parts: int = 1, pause: float = inf) -> None:
-        """Fill in the tables for a run that goes on from where the plan and the record are, until ``pause`` [s].
-
-        ``step`` [s] is the macro step of the Jacobi algorithm, None for the default one, which steps the continuous
-        components in so many ``parts`` from instant to instant.
-        """
+    def __init__(self, plan: Plan, record: Record, method: Method, pause: float = inf) -> None:
+        """Fill in the tables for a run that goes on from where the plan and the record are, until ``pause`` [s]."""
         participants = [*plan.discrete, *plan.continuous]
         self.participants = {participant.instance.site.number: participant for participant in participants}
         self.groups: list[InputGroup | OutputGroup] = []
@@ -53,6 +51,10 @@ class Tables:
         self._discrete = (structures.Component * split)(*components[:split])
         self._continuous = (structures.Component * len(plan.continuous))(*components[split:])
         self._texts = (structures.Text * (len(values) - plan.first_text))()
+        places = {component.number: addressof(component) for component in (*self._discrete, *self._continuous)}
+        self._coupling = (
+            CouplingTable(plan.coupling, places, self._wire, method.parts) if plan.coupling is not None else None
+        )
         self.engine = structures.Engine.from_buffer(record.header)
         _fill(
             self.engine,
@@ -64,6 +66,7 @@ class Tables:
             changes=self._changes(plan.schedule),
             lines=addressof(self._lines),
             texts=addressof(self._texts),
+            coupling=self._coupling.address if self._coupling is not None else 0,
             n_values=len(values),
             first_text=plan.first_text,
             n_recorded=plan.recorded,
@@ -78,10 +81,11 @@ class Tables:
             bonds=self._bonds(),
             n_bonds=len(plan.power.bonds),
             change=plan.schedule.position,
-            step=step or 0.0,
+            step=method.step if method.is_fixed and method.step else 0.0,
+            longest=method.step or inf,
             pause=pause - SAME_INSTANT,
             coupled=plan.coupled,
-            parts=parts,
+            parts=method.parts,
             started=record.exchanges > 0,
             not_a_number=True,  # as far as is known here
         )
@@ -102,6 +106,8 @@ class Tables:
         for slot, text in enumerate(self._texts, self._plan.first_text):
             if text.bytes:
                 self._plan.texts[slot] = string_at(text.bytes, text.size)
+        if self._coupling is not None:
+            self._coupling.take_back()
 
     def make_room(self) -> None:
         """Give more memory to the histories of delayed signals that need it before the next macro step."""
@@ -133,6 +139,7 @@ class Tables:
             in_event_mode=participant.in_event_mode,
             stale=participant.stale,
             plain_step=instance.plain_step,
+            no_return=bool(instance.no_return.value),
             n_inputs=len(participant.input_groups),
             n_outputs=_counts(participant.output_groups),
             n_triggers=len(participant.triggers),

@@ -29,6 +29,10 @@ OFTEN void enter(Engine *engine, const Component *component, CalledFunction func
 #include "component.c"
 #include "power.c"
 #include "record.c"
+#include "coupling.c"
+#include "agreement.c"
+#include "adaptive.c"
+#include "advance.c"
 #include "loop.c"
 #if !WATCHED
 #include "exchange_calls.c"

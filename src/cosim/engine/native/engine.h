@@ -153,6 +153,7 @@ typedef struct {
     int32_t event_needed; /* doStep has said so */
     int32_t stale;    /* outputs that are only recorded have not been read since it was computed */
     int32_t plain_step; /* do_step takes no flags, as in FMI 1.0 and 2.0 */
+    int32_t no_return;  /* it will never be put back to a state of before its last step */
 } Component;
 
 /* Signal `slot` takes `value` at `time`; slot -1: nothing changes, but a linear channel has a corner there. */
@@ -195,15 +196,70 @@ typedef enum {
     WITHOUT_END,          /* events of several components set each other off */
     NOT_A_NUMBER,
     OUT_OF_RANGE,         /* `value` does not fit an integer input of `group`, or as many bytes no Binary one */
-    OUT_OF_MEMORY         /* for a text or a Binary */
+    OUT_OF_MEMORY,        /* for a text or a Binary */
+    DISAGREEMENT          /* of coupled components at the end of a macro step, at `value` [s] */
 } FailureKind;
 
-typedef enum { DO_STEP, ENTER_EVENT_MODE, ENTER_STEP_MODE, UPDATE_DISCRETE_STATES, ACCESS } CalledFunction;
+typedef enum { DO_STEP, ENTER_EVENT_MODE, ENTER_STEP_MODE, UPDATE_DISCRETE_STATES, ACCESS, SAVE, RESTORE, DERIVE } CalledFunction;
 
 typedef struct {
     double value;
     int32_t kind, component, function, status, group, unused;
 } Failure;
+
+/* A connection between two components that are stepped together; see cosim/engine/_coupling.py for all of this. */
+typedef struct {
+    Wire wire;        /* gives the value of the input from the signals */
+    int64_t slot;     /* of the signal that the target gets in its place */
+    int32_t ahead;    /* the source is stepped before the target */
+    int32_t holds_end; /* the target holds the value at the end of a step, not the mean */
+    int32_t observed; /* all states of the source are compared */
+    int32_t unused;
+} Link;
+
+/* Outputs that depend directly on linked inputs; of the slots, as many are needed between rows, and for one. */
+typedef struct {
+    Function derivative;
+    const ValueReference *inputs, *outputs;
+    const int64_t *links, *slots;
+    double *seed, *slope, *raw;
+    int64_t n_links;
+    int64_t n_slots[2];
+} Correction;
+
+/* A component that is stepped together with others. Without states that are known, `n_observed` is 0. */
+typedef struct {
+    Component *component;
+    const int64_t *links; /* those that it is the target of */
+    const Correction *correction;
+    const Group *reads; /* into `observed` */
+    double *observed, *full, *scale;
+    Function save, restore;
+    void **states;
+    int64_t n_links, n_observed;
+    int32_t numbers[4]; /* of the functions that save, restore, and derive, for the position */
+} Member;
+
+typedef enum { EXTRAPOLATED, ITERATED, ADAPTIVE } Method;
+enum { OUTER, INNER }; /* places for what is to be gone back to */
+
+typedef struct {
+    const Link *links;
+    const Member *members;
+    Component *const *others; /* continuous components beside the members */
+    const int64_t *cut, *steady;
+    double *start, *end, *last, *before, *full, *magnitudes, *times; /* by link, but for the last */
+    double *was, *matrix, *inputs;
+    double *residual, *change, *probed, *scratch; /* by cut link, of as many rows; the last a matrix and the ends */
+    double *energies, *powers; /* of the power connections */
+    double *kept[2];
+    int64_t n_links, n_members, n_others, n_cut, n_steady, n_numbers, n_inputs;
+    int64_t known, known_then[2];
+    int64_t macro_steps, rejected, repeated, forced;
+    double tolerance, stop, wanted, usual, error, divisor;
+    double allowed; /* part of the tolerance, where intervals are divided */
+    int32_t method, order, loops, has_matrix;
+} Coupling;
 
 /* Where the run is. It may lie in memory that another process reads, which wants to know where this one has died. */
 typedef struct {
@@ -222,6 +278,7 @@ typedef struct {
     Component *discrete, *continuous;
     const Change *changes;
     const Line *lines;
+    Coupling *coupling;  /* null if continuous components hold what they are given */
     Text *texts;         /* of the signals from first_text on */
     const FaultyInput *faulty;
     FaultClock *fault_clock;
@@ -230,6 +287,7 @@ typedef struct {
     int64_t n_discrete, n_continuous, n_changes, n_lines, n_faulty, n_bonds;
     int64_t change;      /* the first that was not yet applied */
     double step;         /* macro step; fixed-step algorithm only */
+    double longest;      /* macro step of the others, infinite if there is none */
     double pause;        /* the first communication point at or after it is where to return */
     int32_t coupled;     /* every communication point is an exchange */
     int32_t started;

@@ -34,41 +34,6 @@ static bool exchange(Engine *engine, double t, bool recording) {
     return true;
 }
 
-/* Step the continuous components from now to t, each with what those before it have just put out. */
-static bool advance(Engine *engine, double now, double t, bool recording) {
-    const double h = t - now;
-    Component *const end = engine->continuous + engine->n_continuous;
-    for (Component *component = engine->continuous; component < end; component++) {
-        if (component->due < INFINITY && !begin_fixed_step(engine, component, now)) return false;
-    }
-    if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
-    if (engine->n_faulty > 0) begin_faulty_step(engine, now, h);
-    for (Component *component = engine->continuous; component < end; component++) {
-        if (component->due < INFINITY) {
-            if (!end_fixed_step(engine, component, t)) return false;
-            continue;
-        }
-        if (!write_inputs(engine, component) || !do_step(engine, component, now, h) ||
-            !read_outputs(engine, component, recording)) {
-            return false;
-        }
-    }
-    if (engine->n_bonds > 0) end_power(engine, h);
-    if (engine->n_lines > 0) set_lines(engine, t);
-    return true;
-}
-
-static bool advance_in_parts(Engine *engine, double t, bool recording) {
-    const double now = engine->at.now;
-    double begun = now;
-    for (int32_t part = 1; part < engine->parts; part++) {
-        const double until = now + (t - now) * part / engine->parts;
-        if (!advance(engine, begun, until, false)) return false;
-        begun = until;
-    }
-    return advance(engine, begun, t, recording);
-}
-
 /* Step to the next instant at which something is to be exchanged, or to the next row if that comes first. */
 static bool go_on(Engine *engine) {
     Component *const end = engine->discrete + engine->n_discrete;
@@ -87,7 +52,7 @@ static bool go_on(Engine *engine) {
     double t = exchanging ? instant : row;
     if (t > stop) t = stop;
     const bool recording = is_row(engine, t);
-    if (!advance_in_parts(engine, t, recording)) return false;
+    if (!advance_in_steps(engine, t, recording)) return false;
     for (Component *component = engine->discrete; component < end; component++) {
         if (component->role == EVENT && component->due == INFINITY) {
             if (!carry(engine, component, t)) return false;
@@ -171,9 +136,10 @@ EXPORT int cosim_run(Engine *engine, double limit) {
 /* Sizes of the structures, so that whoever fills them in can check that he means the same. */
 EXPORT void cosim_sizes(int64_t *sizes) {
     const size_t known[] = {
-        sizeof(Wire),       sizeof(Group),   sizeof(FaultState), sizeof(SignalFault), sizeof(FaultyInput),
-        sizeof(FaultClock), sizeof(Trigger), sizeof(Component),  sizeof(Change),      sizeof(Line),
-        sizeof(Bond),       sizeof(Text),    sizeof(Engine),     sizeof(Fault),
+        sizeof(Wire),       sizeof(Group),      sizeof(FaultState), sizeof(SignalFault), sizeof(FaultyInput),
+        sizeof(FaultClock), sizeof(Trigger),    sizeof(Component),  sizeof(Change),      sizeof(Line),
+        sizeof(Bond),       sizeof(Text),       sizeof(Engine),     sizeof(Fault),       sizeof(Link),
+        sizeof(Correction), sizeof(Member),     sizeof(Coupling),
     };
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) sizes[i] = (int64_t)known[i];
 }

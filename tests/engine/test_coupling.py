@@ -1,0 +1,144 @@
+"""Components that act on each other continuously: orders of convergence, tolerances met, loops in time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from both_loops import simulate
+from coupled_systems import COUPLED, CoupledSystems
+
+from cosim.engine import Algorithm, Component, Connection, Result, System
+from cosim.errors import FmuError, FmuWarning, InputError
+
+Systems = CoupledSystems
+
+
+@pytest.fixture(scope="module")
+def coupled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Systems]:
+    systems = CoupledSystems(tmp_path_factory.mktemp("coupled"))
+    yield systems
+    systems.close()
+
+
+def error_of(name: str, result: Result) -> float:
+    """Return the largest error of all outputs, each as a share of its range."""
+    exact = COUPLED[name].reference(result.time)
+    return max(
+        float(np.max(np.abs(result.columns[column] - exact[of]))) / float(np.ptp(exact[of]))
+        for column, of in COUPLED[name].columns.items()
+    )
+
+
+def algorithm_of(result: Result) -> dict[str, int]:
+    found = result.statistics["algorithm"]
+    assert isinstance(found, dict)
+    return found
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
+@pytest.mark.parametrize("name", ["motor", "radiation", pytest.param("oscillator", marks=pytest.mark.slow)])
+def test_the_tolerance_is_met(coupled: Systems, name: str, tolerance: float, fmi: int) -> None:
+    system = coupled.system(name, fmi)
+    result = simulate(system, stop=4.0, output_interval=0.1, tolerance=tolerance, coupling_error=False)
+    assert algorithm_of(result)["name"] == "adaptive"
+    assert error_of(name, result) <= tolerance
+    assert algorithm_of(result)["forced"] <= 4
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "extrapolation", "order"),
+    [
+        ("extrapolated", 0, 1),
+        ("extrapolated", 1, 2),
+        ("extrapolated", 2, 2),
+        ("iterated", 2, 2),
+        ("gauss-seidel", None, 1),
+    ],
+)
+@pytest.mark.parametrize("name", list(COUPLED))
+def test_orders(coupled: Systems, name: str, algorithm: Algorithm, extrapolation: int | None, order: int) -> None:
+    """The error falls with the power ``order`` of the macro step, whether rows or a step ask for it."""
+    errors = []
+    for step in (0.02, 0.01, 0.005):
+        arguments = {} if extrapolation is None else {"extrapolation": extrapolation}
+        result = simulate(
+            coupled.system(name),
+            stop=2.0,
+            output_interval=0.02,
+            tolerance=1e-8,
+            algorithm=algorithm,
+            step=step,
+            coupling_error=False,
+            **arguments,
+        )
+        errors.append(error_of(name, result))
+    falls = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert np.all(falls > order - 0.2), (errors, falls)
+    assert np.all(falls < order + 1.2), (errors, falls)
+
+
+def test_a_divided_interval_is_one_of_as_many_rows(coupled: Systems) -> None:
+    """A macro step makes the same numbers as rows that far apart."""
+    system = coupled.system("motor")
+    arguments = {"stop": 1.0, "tolerance": 1e-8, "algorithm": "extrapolated", "coupling_error": False}
+    rows = simulate(system, output_interval=0.01, **arguments)  # type: ignore[arg-type]
+    steps = simulate(system, output_interval=0.02, step=0.01, **arguments)  # type: ignore[arg-type]
+    for name, column in steps.columns.items():
+        np.testing.assert_allclose(column, rows.columns[name][::2], rtol=1e-12, atol=1e-14)
+    assert steps.statistics["exchanges"] == rows.statistics["exchanges"] == 101
+
+
+def test_a_channel_begins_the_polynomials_anew(coupled: Systems) -> None:
+    """The voltage doubles at 1 s: the tolerance is met there, too, and the answer doubles from then on."""
+    from cosim.engine import Channel
+
+    system = coupled.system("motor")
+    system.channels = [Channel(("winding", "u"), [0.0, 1.0, 1.0], [1.0, 1.0, 2.0])]
+    result = simulate(system, stop=3.0, output_interval=0.05, tolerance=1e-6, coupling_error=False)
+    exact = COUPLED["motor"].reference(result.time)
+    later = result.time > 1.0
+    step = COUPLED["motor"].reference(np.maximum(result.time - 1.0, 0.0))
+    for column, of in COUPLED["motor"].columns.items():
+        np.testing.assert_allclose(result.columns[column], exact[of] + later * step[of], atol=2e-6)
+
+
+def test_what_cannot_go_back_is_told(coupled: Systems, fmu: object) -> None:
+    integrator = fmu("integrator")  # type: ignore[operator]
+    system = System(
+        [Component("a", integrator), Component("b", integrator)],
+        [Connection(("a", "x"), ("b", "u")), Connection(("b", "x"), ("a", "u"), factor=-1.0)],
+    )
+    with pytest.warns(FmuWarning, match=r"a \(integrator\) and b \(integrator\) cannot go back to a state"):
+        result = simulate(system, stop=0.1, output_interval=0.01, tolerance=1e-6)
+    assert algorithm_of(result)["name"] == "extrapolated"
+    with pytest.raises(
+        FmuError, match=r"the algorithm adaptive repeats steps, but a \(integrator\) and b .* extrapolated"
+    ):
+        simulate(system, stop=0.1, output_interval=0.01, tolerance=1e-6, algorithm="adaptive")
+
+
+def test_systems_without_links_run_as_ever(fmu: object) -> None:
+    integrator = fmu("integrator")  # type: ignore[operator]
+    system = System([Component("a", integrator)])
+    for algorithm in ("auto", "adaptive", "iterated"):
+        result = simulate(system, stop=0.1, output_interval=0.01, tolerance=1e-6, algorithm=algorithm)  # type: ignore[arg-type]
+        assert "algorithm" not in result.statistics
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"algorithm": "euler"}, "algorithm is 'euler'; it can be auto, gauss-seidel, jacobi"),
+        ({"algorithm": "jacobi"}, "there is no step; the algorithm jacobi needs the length of its macro steps"),
+        ({"step": -1.0}, "step is -1.0; a macro step is above"),
+        ({"algorithm": "adaptive", "extrapolation": 3}, "extrapolation is 3, with the algorithm adaptive"),
+        ({"algorithm": "jacobi", "step": 0.01, "extrapolation": 1}, "extrapolation is 1, with the algorithm jacobi"),
+    ],
+)
+def test_arguments(coupled: Systems, arguments: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        simulate(coupled.system("motor"), stop=0.1, output_interval=0.01, tolerance=1e-6, **arguments)  # type: ignore[arg-type]
+    assert str(caught.value).startswith(message)
