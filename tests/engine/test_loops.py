@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,8 @@ from both_loops import simulate
 from fmu_builder import INTEGRATOR, build, build_first
 from scipy.optimize import brentq
 
-from cosim.engine import Fmu, PartialResultError, System, explain_timing
+from cosim.engine import Fault, FaultKind, Fmu, PartialResultError, System, explain_timing
+from cosim.engine import simulate as simulate_once
 from cosim.engine._instance import CallError
 from cosim.errors import FmuWarning
 
@@ -227,6 +229,23 @@ def test_an_fmu_that_gives_nothing_before_its_inputs_are_set(blocks: Blocks, tmp
         assert looped.values["b.affine"] == 3.0
         with pytest.raises(CallError, match=r"a \(integrator\): fmi.Get(Real|Float64)\(?.* returned Error"):
             initialized(wired(parts, "a.x b.u"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "amount", "expected"),
+    # a = 3 u + 1, b = a, and u is b as the fault leaves it
+    [("bias", 0.5, -1.25), ("scale", 2.0, -0.2), ("override", 2.0, 7.0)],
+)
+def test_a_fault_in_a_loop(blocks: Blocks, kind: FaultKind, amount: float, expected: float) -> None:
+    block = blocks.plain()
+    system = replace(two(block, block, k=3.0, b=1.0), faults=[Fault(("a", "u"), kind, amount)])
+    assert initialized(system).values["a.affine"] == pytest.approx(expected, **EXACT)
+
+
+def test_a_run_in_a_process_of_its_own_hands_on_what_there_is_to_say(blocks: Blocks) -> None:
+    system = two(blocks.plain(), blocks.plain())
+    with pytest.warns(FmuWarning, match="does not determine its variables at initialisation"):
+        simulate_once(system, stop=0.1, output_interval=0.1, tolerance=1e-6, isolate="always")
 
 
 def test_what_initialisation_costs(blocks: Blocks) -> None:

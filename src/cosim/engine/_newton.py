@@ -147,6 +147,10 @@ def _inverse(slope: Matrix, size: Vector) -> tuple[Matrix, int]:
     """Return the inverse of 1 - g', which makes a step of a residual, and how many directions it leaves out."""
     if not np.all(np.isfinite(slope)):
         return np.full_like(slope, np.nan), 0
+    if len(size) == 1:
+        gap = 1.0 - slope
+        regular = abs(gap[0, 0]) > _SINGULAR * max(1.0, abs(slope[0, 0]))
+        return (1.0 / gap, 0) if regular else (np.zeros_like(gap), 1)
     scaled = slope * size / size[:, None]
     left, values, right = np.linalg.svd(np.eye(len(size)) - scaled)
     kept = values > _SINGULAR * max(1.0, float(np.max(np.abs(scaled))))

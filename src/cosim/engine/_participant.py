@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Container, Sequence
+from collections.abc import Sequence
 from ctypes import Array, c_char_p, c_size_t, c_void_p, cast, string_at
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
@@ -24,7 +24,6 @@ from cosim.engine._log import FAILED
 from cosim.engine._role import Role
 from cosim.engine._signal_faults import FaultyInput, SignalFaults
 from cosim.engine._system import SAME_INSTANT
-from cosim.engine._variable import OPAQUE
 from cosim.engine._wire import Wire
 
 MOST_UPDATES = 100
@@ -122,22 +121,14 @@ class Participant:
         self.due = self.period if self.role is Role.CONTINUOUS else 0.0
         self.in_event_mode = self.role is Role.EVENT
 
-    def write(self, force: bool = False, known: Container[int] | None = None) -> None:
-        """Set the inputs that changed, or all driven ones.
-
-        If only some signals are ``known``, the inputs that others drive keep the values that they have.
-        """
+    def write(self) -> None:
+        """Set the inputs that changed."""
         if self.faults is not None:
             self.faults.refresh(self.faulty)
         values, inputs = self.values, self.inputs
         for group in self.input_groups:
-            changed = force
-            wires = group.wires
-            if known is not None:
-                wires = tuple(wire for wire in wires if wire.source in known)
-                if group.fmi_type in OPAQUE and len(wires) < len(group.wires):
-                    continue
-            for target, source, factor, offset, table in wires:
+            changed = False
+            for target, source, factor, offset, table in group.wires:
                 value = values[source] * factor + offset
                 if table:
                     value = dict(table).get(value, value)

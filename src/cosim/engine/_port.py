@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from ctypes import Array, c_double, c_uint
 from typing import Any, NamedTuple
 
@@ -54,7 +54,7 @@ class Port:
         self._readers: dict[tuple[str, ...], list[_Reader]] = {}
         self._derivatives: dict[tuple[tuple[str, ...], tuple[str, ...]], _Derivative | None] = {}
         self._faulty = {one.slot: one for one in participant.faulty}
-        self._written = False
+        self._fresh = {group.start for group in participant.input_groups}
         self._last: dict[int, float] = {}
         self._nudged: dict[int, tuple[float, InputGroup]] = {}
         self.exact = bool(self._fmu.capabilities["providesDirectionalDerivative"])
@@ -67,15 +67,31 @@ class Port:
                     inputs[wire.target] = float(variable.start or 0.0)
 
     def write(self, known: Container[int]) -> None:
-        """Set the inputs whose sources are known, where they have changed."""
-        self._nudged.clear()  # they are among them
-        if self._faulty:
-            known = {wire.source for wire, _, _ in self.wires if self._origin(wire.source) in known}
-        self.participant.write(force=not self._written, known=known)
-        self.is_complete = all(wire.source in known for wire, _, _ in self.wires)
-        if not self._written and self._initialize is not None:
+        """Set the inputs whose sources are known, where they have changed or have not been set before."""
+        participant, inputs = self.participant, self._inputs
+        values = participant.values
+        if participant.faults is not None:
+            participant.faults.refresh(participant.faulty)
+        self._nudged.clear()  # they are set back here
+        self.is_complete = True
+        for group in participant.input_groups:
+            wires = [wire for wire in group.wires if self._origin(wire.source) in known]
+            complete = len(wires) == len(group.wires)
+            self.is_complete &= complete
+            if not wires or (not complete and group.fmi_type in OPAQUE):
+                continue
+            changed = group.start in self._fresh
+            for wire in wires:
+                value = wire.translated(values[wire.source])
+                if value != inputs[wire.target]:
+                    inputs[wire.target] = value
+                    changed = True
+            if changed:
+                participant.put(group)
+                self._fresh.discard(group.start)
+        if self._initialize is not None:
             self._initialize()
-        self._written = True
+            self._initialize = None
 
     def read(self, names: tuple[str, ...]) -> list[float]:
         """Read outputs into the signals and return these, in the order of the names."""
@@ -156,7 +172,9 @@ class Port:
         """Bind the calls that read outputs, arrays as a whole."""
         instance = self.participant.instance
         arrays = {self._fmu.variables[name].array for name in names} - {None}
-        wanted = [v.name for v in self._fmu.variables.values() if v.name in names or v.array in arrays]
+        wanted: Iterable[str] = names
+        if arrays:
+            wanted = [v.name for v in self._fmu.variables.values() if v.name in names or v.array in arrays]
         groups: dict[str, list[str]] = {}
         for name in wanted:
             groups.setdefault(self._fmu.fmi_types[name], []).append(name)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -155,9 +154,9 @@ class TracedParticipant(Participant):
     trace: Trace = field(default_factory=lambda: Trace(0))
     taken: list[Taken] = field(default_factory=list)
 
-    def write(self, force: bool = False, known: Container[int] | None = None) -> None:
+    def write(self) -> None:
         """Set the inputs."""
-        super().write(force, known)
+        super().write()
         self.taken = self.trace.taken(self)
 
     def step(self, t: float, h: float) -> None:
