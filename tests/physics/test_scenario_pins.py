@@ -50,6 +50,11 @@ PINS = {
     "rig_50ms_disturbed": Pin(78.591670, 11.3842, 12),
     # the reference of rig_20ms: what the hardware does wrong moves the end by less than a degree a revolution
     "rig_ecu": Pin(78.544300, 5.7571, 12, within=12 * np.pi / 180, torque_within=0.05),
+    # the reference whose controller is shown what the faults make of contact and current: test_faulty_scenarios
+    "rig_park_stuck_open": Pin(78.652019, 5.7571, 12),
+    "rig_park_stuck_closed": Pin(78.517156, 5.7571, 12),
+    "rig_noisy_current": Pin(78.556825, 5.7571, 12),
+    "rig_late_current": Pin(78.807250, 5.7571, 12),
     # the reference's plant in pieces of 10 ms, with the PI controller written in three lines
     "rig_speed_control": Pin(49.059565, 5.8279, 7),
     # the reference with the averaged bridge: means agree within 0.5 % in continuous conduction

@@ -21,6 +21,8 @@ from .plant import Plant, on_park
 from .simulation import Hold, Signal
 
 Array = NDArray[np.float64]
+Sensed = Callable[[int, float, bool], tuple[float, bool]]
+"""What the controller sees of current and contact, from the tick's number and what they are."""
 Triple = tuple[float, float, float]
 RightSide = Callable[[float, float, float], Triple]
 
@@ -54,11 +56,12 @@ def closed_loop(
     initial: Triple = (0.0, 0.0, 0.0),
     rtol: float = 1e-10,
     atol: float = 1e-12,
+    sensed: Sensed = lambda k, current, park: (current, park),
 ) -> ClosedLoop:
     """Run from t = 0 to ``stop`` [s], a multiple of T_compute; the tick at ``stop`` is computed too.
 
     Signals as for :func:`.simulation.simulate`; a step of an input that coincides with a tick (within 1e-9 s) acts from
-    that tick on, and ``enable`` is read there after its step.
+    that tick on, and ``enable`` is read there after its step. ``sensed`` is called once for each tick, in their order.
     """
     parameters = parameters or Parameters()
     controller = Controller(parameters)
@@ -73,7 +76,8 @@ def closed_loop(
     guard = 1e-9
     for k in range(count + 1):
         t = k * parameters.T_compute
-        out = controller.step(t, state[0], on_park(state[1]), switch.at(t + guard) != 0.0)
+        current, park = sensed(k, state[0], on_park(state[1]))
+        out = controller.step(t, current, park, switch.at(t + guard) != 0.0)
         if drive is None:
             drive = out.duty * supply.at(t + guard)
         row = plant.outputs(*state, drive, torque.before(t - guard) if k else torque.at(t + guard))
