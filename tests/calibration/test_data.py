@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from cosim.calibration import Data, Direction, data_of
-from cosim.calibration._collocation import intervals
 from cosim.calibration._data import distinct
+from cosim.calibration._grid import intervals
 from cosim.errors import InputError
 from cosim.measurement import Measurement, read
 

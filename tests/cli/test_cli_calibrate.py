@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -18,7 +19,7 @@ UNITS = {"ext_load": "N.m", "d_joint": "N.m.s/rad", "gear.eta_wg": "1"}
 def request(
     fit: tuple[str, ...] = (), local: tuple[str, ...] = (), priors: tuple[str, ...] = (), settings: tuple[str, ...] = ()
 ) -> Request:
-    return Request(fit, local, priors, settings, (), (), None, None, False, 10)
+    return Request(fit, local, priors, settings, (), (), None, None, False, 10, "shooting")
 
 
 def test_names_starts_bounds_and_priors_are_read_with_units() -> None:
@@ -75,3 +76,15 @@ def test_files_and_what_to_fit_are_needed(cosim: Cosim) -> None:
     done = cosim("calibrate", "missing.xlsx")
     assert done.exit_code == 2
     assert "nothing to fit; say what, such as --fit d_joint --fit 'ext_load=3:0..10'" in done.stderr
+
+
+def test_a_file_that_cannot_be_written_is_found_before_anything_is_fitted(cosim: Cosim, tmp_path: Path) -> None:
+    rows = "\n".join(f"{0.002 * k:g},{2.0 * (k > 100):g},24" for k in range(1000))
+    (tmp_path / "drive.csv").write_text(f"time [s],current [A],voltage [V]\n{rows}\n")
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "file").touch()
+    for out, message in (("taken", "Is a directory"), ("file/fit.json", "File exists")):
+        done = cosim("calibrate", tmp_path / "drive.csv", "--fit", "ext_load", "--out", tmp_path / out)
+        assert done.exit_code == 2
+        assert f"{tmp_path / out}: cannot be written: {message}" in done.stderr
+        assert "iteration" not in done.stderr

@@ -2,11 +2,11 @@
 
 from cosim.calibration._data import Data, data_of
 from cosim.calibration._file import write_fit
-from cosim.calibration._fit import fit
-from cosim.calibration._ipopt import Progress
-from cosim.calibration._model import Model, linkage_equations, linkage_model
+from cosim.calibration._fit import Method, fit
+from cosim.calibration._model import Model, linkage_equations, linkage_model, linkage_plant
 from cosim.calibration._plot import draw_fit
 from cosim.calibration._problem import Free
+from cosim.calibration._progress import Progress
 from cosim.calibration._results import Agreement, Estimate, Fit
 from cosim.calibration._uncertainty import Direction, Uncertainty
 
@@ -17,6 +17,7 @@ __all__ = [
     "Estimate",
     "Fit",
     "Free",
+    "Method",
     "Model",
     "Progress",
     "Uncertainty",
@@ -25,5 +26,6 @@ __all__ = [
     "fit",
     "linkage_equations",
     "linkage_model",
+    "linkage_plant",
     "write_fit",
 ]

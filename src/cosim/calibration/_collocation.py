@@ -1,113 +1,92 @@
-"""A measurement as a collocation problem: Radau IIA of order 5 on intervals that suit the motion."""
+"""The same problem solved at once by IPOPT: the states at all collocation points are unknowns, too."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.calibration._data import Data
+from cosim.calibration import _ipopt
+from cosim.calibration._grid import STAGES, slopes
 from cosim.calibration._model import Model
+from cosim.calibration._problem import HUBER, LOOSE, REST, Part, Problem, Solution
+from cosim.calibration._progress import Progress
+from cosim.errors import InputError
 
 Array = NDArray[np.float64]
 
-STAGES = 3
-_LONGEST = 0.02
-"""Seconds of an interval in steady running."""
-_SHORTEST = 0.0005
-"""Seconds of the first interval after a start from rest."""
-_GROWTH = 1.2
 
+def solve(problem: Problem, robust: bool, most_iterations: int, progress: Progress | None) -> Solution:
+    """Find the parameters; see :func:`cosim.calibration.fit`.
 
-@dataclass(frozen=True)
-class Collocation:
-    """Equations 0 = g(q, w) with q = [x0; theta] and w the states and unknowns at the collocation points, all scaled.
+    The motion that IPOPT starts from is guessed from the data, not followed from the starting values.
 
-    ``outputs`` maps (q, w) to the OUTPUTS at the collocation points, shape (2, points); ``sampling`` (samples, points)
-    takes them to the instants of the data. g has as many entries as w.
+    Raises InputError if an initial state is known, SimulationError if IPOPT found nothing finite.
     """
+    theta = ca.MX.sym("theta", len(problem.labels))
+    variables, starts, lower, upper = [theta], [problem.start], [problem.lower], [problem.upper]
+    residuals: list[ca.MX] = [(theta - problem.start) / LOOSE]
+    residuals += [(theta[entry] - mean) / deviation for entry, mean, deviation in problem.priors()]
+    known = sum(each.numel() for each in residuals)
+    constraints = []
+    for part in problem.fitted:
+        if part.data.known is not None:
+            raise InputError(f"{part.data.name}: its initial state is known; only the method shooting takes that")
+        guess_q, guess_w = part.data.guess(problem.model, part.borders[0], part.points)
+        start = guess_q[: problem.model.sizes[0]]
+        x0, w = ca.MX.sym("x0", len(start)), ca.MX.sym("w", len(guess_w))
+        g, outputs = _equations(problem.model, part, x0, theta[part.entries], w)
+        residuals.append(_residuals(problem, part, x0, outputs))
+        constraints.append(g)
+        for variable, guess in ((x0, start), (w, guess_w)):
+            variables.append(variable)
+            starts.append(guess)
+            lower.append(np.full(len(guess), -np.inf))
+            upper.append(np.full(len(guess), np.inf))
+    r = ca.vertcat(*residuals)
+    turns = np.full(r.numel(), HUBER if robust else np.inf)
+    turns[:known] = np.inf
+    count = r.numel() - known
+    found, status, iterations = _ipopt.solve(
+        ca.vertcat(*variables), r, ca.vertcat(*constraints), turns, starts, (lower, upper), most_iterations,
+        None if progress is None else lambda k, f: progress(k, float(np.sqrt(max(2.0 * f, 0.0) / count))),
+    )  # fmt: skip
+    theta_found, *rest = np.split(found, np.cumsum([len(start) for start in starts])[:-1])
+    limit = None if status == "Solve_Succeeded" else _ipopt.why(status)
+    return Solution(theta_found, tuple(rest[::2]), limit, iterations)
 
-    residuals: ca.Function
-    outputs: ca.Function
-    sampling: ca.DM
-    guess_q: Array
-    guess_w: Array
-    points: Array
 
-
-def intervals(start: float, stop: float, from_rest: bool) -> Array:
-    """Return the borders of the intervals: short ones after a start from rest, equal ones later."""
-    borders = [start]
-    h = _SHORTEST if from_rest else _LONGEST
-    while borders[-1] < stop - 1e-9:
-        borders.append(min(borders[-1] + h, stop))
-        h = min(h * _GROWTH, _LONGEST)
-    return np.array(borders)
-
-
-def collocate(model: Model, data: Data) -> Collocation:
-    """Set up the equations for the instants of a measurement, and a guess of their solution from it."""
-    borders = intervals(data.time[0], data.time[-1], data.from_rest)
-    nodes = np.array([0.0, *ca.collocation_points(STAGES, "radau")])
-    # slopes[j, r]: derivative of the r-th Lagrange polynomial through the nodes at node j
-    slopes = np.array([[_slope(nodes, r, nodes[j]) for r in range(STAGES + 1)] for j in range(1, STAGES + 1)])
-    h = np.diff(borders)
-    points = (borders[:-1, None] + h[:, None] * nodes[None, 1:]).ravel()
+def _equations(model: Model, part: Part, x0: ca.MX, theta: ca.MX, w: ca.MX) -> tuple[ca.MX, ca.MX]:
+    """Return 0 = g for the states and unknowns w at the collocation points, all scaled, and the outputs there."""
     nx, nz = model.sizes
-    count = len(points)
+    count = len(part.points)
     x_scale, z_scale = model.scales
-    q = ca.MX.sym("q", nx + len(model.names))
-    w = ca.MX.sym("w", (nx + nz) * count)
     wide = ca.reshape(w, nx + nz, count)
     x = ca.mtimes(ca.diag(x_scale), wide[:nx, :])
     z = ca.mtimes(ca.diag(z_scale), wide[nx:, :])
-    theta = ca.repmat(q[nx:], 1, count)
-    u = ca.DM(model.input_column(data.supply_at(points)))
-    derivative, algebraic, outputs = model.rhs.map(count)(x, z, u, theta)
-    begins = ca.horzcat(ca.mtimes(ca.diag(x_scale), q[:nx]), x[:, STAGES - 1 : count - STAGES : STAGES])
-    equations = []
-    for j in range(STAGES):
-        polynomial = slopes[j, 0] * begins
+    derivative, algebraic, outputs = model.rhs.map(count)(x, z, ca.DM(part.u.T), ca.repmat(theta, 1, count))
+    begins = ca.horzcat(ca.mtimes(ca.diag(x_scale), x0), x[:, STAGES - 1 : count - STAGES : STAGES])
+    equations: list[ca.MX] = []
+    step = ca.repmat(ca.DM(part.h).T, nx, 1)
+    for j, row in enumerate(slopes()):
+        polynomial = row[0] * begins
         for r in range(STAGES):
-            polynomial += slopes[j, r + 1] * x[:, r::STAGES]
-        step = ca.repmat(ca.DM(h).T, nx, 1)
+            polynomial += row[r + 1] * x[:, r::STAGES]
         equations.append(ca.mtimes(ca.diag(1.0 / x_scale), polynomial - step * derivative[:, j::STAGES]))
-    g = ca.vertcat(*(ca.vec(e) for e in equations), ca.vec(algebraic))
-    guess_q, guess_w = data.guess(model, borders[0], points)
-    return Collocation(
-        residuals=ca.Function("g", [q, w], [g]),
-        outputs=ca.Function("y", [q, w], [outputs]),
-        sampling=_sampling(points, data.time),
-        guess_q=guess_q,
-        guess_w=guess_w,
-        points=points,
-    )
+    return ca.vertcat(*(ca.vec(e) for e in equations), ca.vec(algebraic)), outputs
 
 
-def _slope(nodes: Array, r: int, at: float) -> float:
-    """Derivative of the r-th Lagrange polynomial through the nodes."""
-    others = [k for k in range(len(nodes)) if k != r]
-    total = 0.0
-    for k in others:
-        product = 1.0
-        for m in others:
-            if m != k:
-                product *= (at - nodes[m]) / (nodes[r] - nodes[m])
-        total += product / (nodes[r] - nodes[k])
-    return total
-
-
-def _sampling(points: Array, times: Array) -> ca.DM:
-    """Cubic interpolation through the four points around each instant."""
-    first = np.clip(np.searchsorted(points, times) - 2, 0, len(points) - 4)
-    rows, columns, values = [], [], []
-    for k, (start, t) in enumerate(zip(first.tolist(), times.tolist(), strict=True)):
-        near = points[start : start + 4]
-        for m in range(4):
-            weight = np.prod([(t - near[n]) / (near[m] - near[n]) for n in range(4) if n != m])
-            rows.append(k)
-            columns.append(start + m)
-            values.append(float(weight))
-    return ca.DM.triplet(rows, columns, ca.DM(values), len(times), len(points))
+def _residuals(problem: Problem, part: Part, x0: ca.MX, outputs: ca.MX) -> ca.MX:
+    """Return the residuals of a measurement over their noise, and its speed at the start if that is from rest."""
+    data = part.data
+    matrix = part.sampling.tocoo()
+    rows, columns = ([int(k) for k in each] for each in matrix.coords)
+    sampling = ca.DM.triplet(rows, columns, ca.DM(matrix.data), *matrix.shape)
+    current, torque = (ca.mtimes(sampling, outputs[row, :].T) for row in range(2))
+    found = [(current - data.current) / data.noise[0]]
+    if data.torque is not None:
+        found.append((torque - data.torque) / data.noise[1])
+    if data.from_rest:
+        speed = problem.model.state("w_crank")
+        found.append(x0[speed] * problem.model.scales[0][speed] / REST)
+    return ca.vertcat(*found)

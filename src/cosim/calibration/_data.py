@@ -43,7 +43,15 @@ class Data:
     from_rest: bool
     synthetic: bool = False
     source: str = ""
+    known: tuple[float, ...] | None = None
+    """The initial state (crank angle, its speed, current) where it is known; it is fitted otherwise."""
     notes: tuple[str, ...] = ()
+
+    @property
+    def measured(self) -> list[tuple[Array, float]]:
+        """Samples and noise of the OUTPUTS that were measured, in their order."""
+        found = [(self.current, self.noise[0])]
+        return found if self.torque is None else [*found, (self.torque, self.noise[1])]
 
     def supply_at(self, times: Array) -> Array:
         """Return the supply voltage at some instants, smoothed but for the start."""
@@ -54,42 +62,48 @@ class Data:
             smooth = share * smooth + (1.0 - share) * self.supply
         return np.interp(times, self.time, smooth)
 
+    def initial(self, model: Model) -> Array:
+        """Return a guess of the initial state: the known one, rest, or where the current fits the nominal one best."""
+        if self.known is not None:
+            return np.array(self.known, dtype=np.float64)
+        first: Array = self._state(model, self.time[:1])[0]
+        return first
+
     def guess(self, model: Model, start: float, points: Array) -> tuple[Array, Array]:
         """Return a guess of q = [x0; theta] and w at the collocation points, both scaled.
 
         The speed follows from the voltage that the current leaves for the motor; the angle is its integral, from where
         the current fits the nominal one best; everything else is as in the nominal run at that angle.
         """
+        x = self._state(model, np.concatenate(([start], points)))
+        z = model.unknowns(x[:, model.state("phi_crank")])
+        x_scale, z_scale = model.scales
+        q = np.concatenate((x[0] / x_scale, model.start / model.scale))
+        return q, np.hstack((x[1:] / x_scale, z[1:] / z_scale)).ravel()
+
+    def _state(self, model: Model, times: Array) -> Array:
+        """Guess the states at some instants, shape (n, states)."""
         step = float(np.median(np.diff(self.time)))
         current = zero_phase(self.current, max(3, round(0.02 / step)))
-        k, resistance, ratio = (_value(model, name) for name in ("k_emf", "motor.R", "gear.ratio"))
-        inductance = _value(model, "motor.L") + 2.0 * _value(model, "motor.L_filter")
+        k, resistance, ratio, inductance = (model.values[n] for n in ("k_emf", "motor.R", "gear.ratio", "motor.L"))
+        inductance += 2.0 * model.values["motor.L_filter"]
         emf = self.supply_at(self.time) - resistance * current - inductance * np.gradient(current, self.time)
         speed = np.maximum(emf / (k * ratio), 0.0)
         if self.from_rest:
             speed = np.where(self.time < self.time[0] + 0.004, 0.0, speed)
         angle = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(self.time))))
         angle += self._phase(model, angle, current)
-        grid = np.concatenate(([start], points))
-        phi, w, i = (np.interp(grid, self.time, values) for values in (angle, speed, current))
-        nominal = model.nominal
-        inside = np.mod(phi, 2.0 * np.pi)
-        z = np.array([np.interp(inside, nominal.angle, column) for column in _unrolled(nominal.z.T)])
-        z += _turns(nominal.z.T)[:, None] * (phi - inside)[None, :]
-        x = np.zeros((model.sizes[0], len(grid)))
-        x[model.state("phi_crank")], x[model.state("w_crank")], x[model.state("bridge.i")] = phi, w, i
-        x_scale, z_scale = model.scales
-        scaled = np.vstack((x / x_scale[:, None], z / z_scale[:, None]))
-        theta = model.start / model.scale
-        return np.concatenate((scaled[: model.sizes[0], 0], theta)), scaled[:, 1:].ravel(order="F")
+        x = np.zeros((len(times), model.sizes[0]))
+        for name, values in {"phi_crank": angle, "w_crank": speed, "bridge.i": current}.items():
+            x[:, model.state(name)] = np.interp(times, self.time, values)
+        return x
 
     def _phase(self, model: Model, angle: Array, current: Array) -> float:
         """Return the crank angle [rad] at the first sample, from the current over the angle in steady running."""
         if self.from_rest:
             return 0.0
-        count = 360
-        candidates = 2.0 * np.pi * np.arange(count) / count
         nominal = model.nominal
+        candidates = nominal.angle[:-1]
         template = nominal.current - nominal.current.mean()
         seen = current - current.mean()
         scores = [
@@ -184,20 +198,3 @@ def _noise(values: Array) -> float:
     second = np.diff(values, 2)
     deviation = 1.4826 * float(np.median(np.abs(second - np.median(second)))) / np.sqrt(6.0)
     return float(max(deviation, 1e-6 * float(np.ptp(values)), 1e-12))
-
-
-def _value(model: Model, name: str) -> float:
-    if name in model.names:
-        return float(model.start[model.names.index(name)])
-    return float(model.values[name])
-
-
-def _turns(columns: Array) -> Array:
-    """How many times each unknown turns with the crank."""
-    return np.asarray(np.round((columns[:, -1] - columns[:, 0]) / (2.0 * np.pi)), dtype=np.float64)
-
-
-def _unrolled(columns: Array) -> Array:
-    """The unknowns over one revolution, those that turn with the crank from their value modulo one."""
-    whole = 2.0 * np.pi * np.round(columns[:, :1] / (2.0 * np.pi)) * (_turns(columns)[:, None] != 0.0)
-    return np.asarray(columns - whole, dtype=np.float64)

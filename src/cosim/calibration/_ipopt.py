@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.calibration._progress import Progress
 from cosim.errors import SimulationError
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, float], None]
-"""Is told the number of the iteration and the value of the objective."""
 
 _STRAIGHT = 1e6
 """A loss that turns here is quadratic."""

@@ -1,188 +1,189 @@
-"""The plant's equations as functions of what is fitted, in one mode: forward running, with all relations held."""
+"""A plant with some parameters free: what a fit asks of it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cached_property
 from pathlib import Path
 
 import casadi as ca
 import numpy as np
+from filelock import FileLock
 from numpy.typing import NDArray
 
+from cosim.calibration._compiled import Library, Track, library
+from cosim.calibration._equations import equations
+from cosim.calibration._grid import STAGES, intervals, points_of
+from cosim.calibration._plant import Plant, plant_of
 from cosim.dae import Dae
-from cosim.dae.hybrid import SX
-from cosim.dae.symbolic import substitute
-from cosim.engine import Channel, Component, System, simulate
-from cosim.errors import InputError
+from cosim.errors import InputError, SimulationError
 from cosim.fmu import catalogue
 from cosim.fmu.exporter import compile_model
-from cosim.linear import observed, symbols_behind
 
 Array = NDArray[np.float64]
 
-OUTPUTS = ("i_motor", "tau_crank")
-"""What can be measured: motor current [A] and torque on the gear's output shaft [N.m]."""
 _PLANT = "linkage"
-_SETTLED = 3.0
-"""The nominal run is looked at from this time [s] on, for a whole revolution at least."""
-_NOMINAL_STOP = 12.0
+_SOURCES = ("_compiled.py", "_equations.py", "_grid.py", "_plant.py", "native/follow.c")
+"""What the files in the cache depend on beside the plant."""
+_SETTLED, _LONGEST = 1.0, 12.0
+"""The nominal run is looked at from the former time [s] on; it lasts at most the latter."""
 
 
 @dataclass(frozen=True)
 class Nominal:
-    """A run with the nominal parameters at full duty: over the crank angle modulo a revolution, where it is steady.
-
-    ``angle`` [rad] of shape (n,), increasing from 0 to 2 pi; ``current`` [A] of shape (n,); ``z`` of shape
-    (n, torn unknowns), angles that turn with the crank as differences to it.
-    """
+    """The current [A] over the crank angle [rad], from 0 to 2 pi, in steady running; both of shape (n,)."""
 
     angle: Array
     current: Array
-    z: Array
 
 
 class Model:
-    """Right-hand sides of a plant with some parameters free.
+    """Equations of a plant with some parameters free.
 
-    ``rhs(x, z, u, theta)`` gives dx/dt, the residuals 0 = r and the OUTPUTS; theta are the fitted parameters over
-    their nominal values, of the same size where these are zero.
+    theta are the fitted parameters over ``scale``, which are their starting values where these are not zero.
     """
 
     def __init__(
-        self, dae: Dae, names: Sequence[str], given: Mapping[str, float] | None = None, kept: Path | None = None
+        self, plant: Plant, dae: Callable[[], Dae], names: Sequence[str], given: Mapping[str, float], folder: Path
     ) -> None:
-        """Hold the relations as they are in steady forward running.
+        """Take the equations from a folder, or compile them into it.
 
         Args:
-            dae: the plant's equations.
+            plant: what is known of the plant.
+            dae: gives its equations if they are needed.
             names: the parameters to fit.
             given: values of other parameters, and starting values of those to fit, in the model's units.
-            kept: where the FMU for the nominal run stays for the next time; see :func:`cosim.linear.observed`.
+            folder: its name has to tell what the plant is made from.
 
         Raises:
             InputError: there is no such parameter, or it cannot be fitted.
             BuildError: there is no C compiler, or it failed.
         """
-        given = given or {}
-        self.dae = dae
-        self.names = tuple(names)
-        independent = {p.scalar.name: p for p in dae.parameters if p.independent}
+        independent = {p.name: p for p in plant.parameters}
         for name in (*names, *given):
             if name not in independent:
                 near = get_close_matches(name, list(independent), n=3)
                 hint = f"; did you mean {' or '.join(near)}?" if near else ""
-                raise InputError(f"{dae.name} has no parameter '{name}'{hint}")
+                raise InputError(f"{plant.name} has no parameter '{name}'{hint}")
         for name in names:
-            if independent[name].scalar.declaration.type != "Real":
-                raise InputError(f"{name} is a {independent[name].scalar.declaration.type}; only Reals can be fitted")
-        self.units = tuple(independent[name].scalar.declaration.unit or "1" for name in names)
-        values = {name: given.get(name, dae.parameter_values[name]) for name in independent}
-        self.start = np.array([values[name] for name in names])
+            if independent[name].type != "Real":
+                raise InputError(f"{name} is a {independent[name].type}; only Reals can be fitted")
+        self.plant = plant
+        self.names = tuple(names)
+        self.units = tuple(independent[name].unit for name in names)
+        self.values = {name: given.get(name, p.value) for name, p in independent.items()}
+        self.start = np.array([self.values[name] for name in names])
         self.scale = np.where(self.start == 0.0, 1.0, self.start)
-        fixed = {name: value for name, value in values.items() if name not in names}
-        self.values = values
-        self._given = {name: value for name, value in values.items() if value != dae.parameter_values[name]}
-        self.nominal, d, c = self._run(kept)
-        self.rhs, self.relations = self._functions(fixed, d, c)
+        self.scales = np.array(plant.state_nominals), np.array(plant.unknown_nominals)
+        self._free = np.array(list(self.values.values()))
+        self._fitted = [list(self.values).index(name) for name in names]
+        self._dae = dae
+        self._library: Library = library(dae, plant, names, folder)
 
     @property
     def sizes(self) -> tuple[int, int]:
         """How many states and torn unknowns there are."""
-        return len(self.dae.states), len(self.dae.torn)
+        return len(self.plant.states), len(self.plant.unknowns)
 
-    @property
-    def scales(self) -> tuple[Array, Array]:
-        """Nominal sizes of the states and the torn unknowns."""
-        return np.array([s.nominal for s in self.dae.states]), np.array([z.nominal for z in self.dae.torn])
+    @cached_property
+    def rhs(self) -> ca.Function:
+        """CasADi's function of (x, z, u, theta) that gives dx/dt, the residuals 0 = r and the OUTPUTS."""
+        found = equations(self._dae(), self.names, self.plant.held, [])
+        nx, nz = self.sizes
+        arguments = [
+            ca.SX.sym(name, size)
+            for name, size in {"x": nx, "z": nz, "u": len(self.plant.inputs), "theta": len(self.names)}.items()
+        ]
+        free = ca.SX(self._free)
+        for k, place in enumerate(self._fitted):
+            free[place] = arguments[3][k] * self.scale[k]
+        return ca.Function("rhs", arguments, found.rhs.call([*arguments[:3], found.parameters(free)]))
 
     def state(self, name: str) -> int:
         """Return the position of a state."""
-        return [s.name for s in self.dae.states].index(name)
+        return self.plant.states.index(name)
 
-    def input_column(self, supply: Array) -> Array:
-        """Return the inputs for these supply voltages [V], shape (inputs, n): full duty, no disturbance."""
-        rows = {"duty": np.ones(len(supply)), "v_supply": supply}
-        return np.array([rows.get(s.name, np.zeros(len(supply))) for s in self.dae.inputs])
+    def inputs(self, supply: Array) -> Array:
+        """Return the inputs for these supply voltages [V], shape (n, inputs): full duty, no disturbance."""
+        columns = {"duty": np.ones(len(supply)), "v_supply": supply}
+        return np.array([columns.get(name, np.zeros(len(supply))) for name in self.plant.inputs]).T
 
-    def first_change(self, x: Array, z: Array, u: Array, theta: Array) -> tuple[int, str] | None:
-        """Return the first column at which a relation is not as it is held, and its text; None if there is none."""
-        held = self._watched
+    def unknowns(self, angle: Array) -> Array:
+        """Return a guess of the torn unknowns at these crank angles [rad], shape (n, unknowns): as in a nominal run."""
+        rows = np.array(self.plant.unknowns_over_angle)
+        # what turns with the crank counts from its value modulo one turn
+        turns = np.round((rows[-1] - rows[0]) / (2.0 * np.pi))
+        rows = rows - 2.0 * np.pi * np.round(rows[0] / (2.0 * np.pi)) * (turns != 0.0)
+        inside = np.mod(angle, 2.0 * np.pi)
+        found = np.array([np.interp(inside, self.plant.angle, column) for column in rows.T]).T
+        return np.asarray(found + np.outer(angle - inside, turns))
+
+    def follow(self, h: Array, u: Array, q: Array, guess: tuple[Array, Array] | None = None, **options: float) -> Track:
+        """Follow a motion; its derivatives are by q.
+
+        Args:
+            h: lengths [s] of the intervals.
+            u: inputs at the collocation points, shape (points, inputs).
+            q: the initial state, then the fitted parameters, none of them scaled.
+            guess: states and unknowns at the points of the first intervals.
+            options: the tolerance of :meth:`Library.follow`.
+        """
+        x0 = q[: self.sizes[0]]
+        if guess is None:
+            angle = x0[[self.state("phi_crank")]]
+            z = np.array([self.plant.at_rest]) if not x0[self.state("w_crank")] else self.unknowns(angle)
+            guess = np.repeat(x0[None, :], STAGES, axis=0), np.repeat(z, STAGES, axis=0)
+        return self._library.follow(h, u, self._parameters(q), x0, guess, **options)
+
+    def output(self, number: int, track: Track, u: Array, q: Array) -> Array:
+        """Return one of the OUTPUTS at the points, then its derivatives by q; shape (points, 1 + q)."""
+        return self._library.output(number, track, u, self._parameters(q))
+
+    def first_change(self, track: Track, u: Array, q: Array) -> tuple[int, str] | None:
+        """Return the first point at which a relation is not as it is held, and its text; None if there is none."""
+        held = self.plant.watched
         if not held:
             return None
-        values = np.array(self.relations.map(x.shape[1])(x, z, u, ca.repmat(theta, 1, x.shape[1])), dtype=np.float64)
-        true = np.array([row > 0.0 if strict else row >= 0.0 for row, (_, strict, _) in zip(values, held, strict=True)])
-        changed = true != np.array([value for _, _, value in held])[:, None]
+        there = slice(0, track.done)
+        values = self._library.relations(track.x[1:][there], track.z[there], u[there], self._parameters(q))
+        strict = np.array([each.strict for each in held])
+        changed = np.where(strict, values > 0.0, values >= 0.0) != np.array([each.value for each in held])
         if not changed.any():
             return None
-        column = int(np.argmax(changed.any(axis=0)))
-        return column, held[int(np.argmax(changed[:, column]))][0]
+        point = int(np.argmax(changed.any(axis=1)))
+        return point, held[int(np.argmax(changed[point]))].text
 
-    def _run(self, kept: Path | None) -> tuple[Nominal, dict[str, float], dict[str, float]]:
-        """Run with the nominal parameters; return what is steady, and the discrete variables and relations there."""
-        with observed(self.dae, kept) as inside:
-            component = Component("model", inside.fmu, dict(self._given))
-            channels = [Channel(("model", "duty"), [0.0], [1.0])]
-            result = simulate(
-                System([component], channels=channels), stop=_NOMINAL_STOP, output_interval=2e-3, tolerance=1e-8
-            )
-            names = inside.columns
-        columns = {kind: [result.columns[f"model.{name}"] for name in names[kind]] for kind in "xzdc"}
-        x, z = np.array(columns["x"], dtype=float), np.array(columns["z"], dtype=float)
-        steady = result.time >= _SETTLED
-        angle = x[self.state("phi_crank")]
-        turning = angle[steady] / (2.0 * np.pi)
-        if turning[-1] - turning[0] < 1.0:
+    @cached_property
+    def nominal(self) -> Nominal:
+        """A run from rest with the starting values at full duty; raises InputError if the crank does not turn."""
+        borders = intervals(0.0, _LONGEST, from_rest=True)
+        points = points_of(borders)
+        u = self.inputs(np.full(len(points), self.plant.supply))
+        q = np.concatenate((np.zeros(self.sizes[0]), self.start))
+        track = self.follow(np.diff(borders), u, q)
+        angle = track.x[1:, self.state("phi_crank")]
+        begin = float(np.interp(_SETTLED, points, angle))
+        turn = (angle >= begin) & (angle <= begin + 2.0 * np.pi)
+        if not track.whole or angle[-1] < begin + 2.0 * np.pi:
             raise InputError(
-                f"with the starting values the crank turns only {turning[-1] - turning[0]:.2f} times in "
-                f"{_NOMINAL_STOP - _SETTLED:g} s; start from values with which the motor runs"
+                f"with the starting values the crank turns only {(angle[-1] - begin) / (2.0 * np.pi):.2f} times in "
+                f"{_LONGEST - _SETTLED:g} s; start from values with which the motor runs"
             )
-        first = np.floor(turning[0]) + 1.0 if turning[0] % 1.0 else turning[0]
-        turn = steady & (angle / (2 * np.pi) >= first) & (angle / (2 * np.pi) <= first + 1.0)
-        nominal = Nominal(
-            angle[turn] - 2.0 * np.pi * first,
-            np.array(result.columns["model.i_motor"], dtype=float)[turn],
-            z[:, turn].T,
-        )
-        middle = int(np.flatnonzero(turn)[np.count_nonzero(turn) // 2])
-        d = {s.name: float(v[middle]) for s, v in zip(self.dae.discretes, columns["d"], strict=True)}
-        c = {r.symbol.name(): float(v[middle]) for r, v in zip(self.dae.relations, columns["c"], strict=True)}
-        return nominal, d, c
+        order = np.argsort(np.mod(angle[turn], 2.0 * np.pi))
+        inside, current = np.mod(angle[turn], 2.0 * np.pi)[order], self.output(0, track, u, q)[turn, 0][order]
+        grid = np.linspace(0.0, 2.0 * np.pi, 360)
+        return Nominal(grid, np.interp(grid, inside, current, period=2.0 * np.pi))
 
-    def _functions(
-        self, fixed: Mapping[str, float], d: Mapping[str, float], c: Mapping[str, float]
-    ) -> tuple[ca.Function, ca.Function]:
-        dae = self.dae
-        theta = SX.sym("theta", len(self.names))
-        held: dict[str, SX] = {s.symbol.name(): SX(d[s.name]) for s in dae.discretes}
-        held |= {name: SX(value) for name, value in c.items()}
-        held[dae.initial.name()] = SX(0.0)
-        parameters: dict[str, SX] = {name: SX(value) for name, value in fixed.items()}
-        parameters |= {name: theta[k] * self.scale[k] for k, name in enumerate(self.names)}
-        for parameter in dae.parameters:
-            name = parameter.scalar.name
-            if name not in parameters:
-                parameters[name] = substitute(parameter.value, parameters)
-        held |= parameters
-        arguments = [_column([s.symbol for s in dae.states]), dae.z, _column([s.symbol for s in dae.inputs]), theta]
-        published = {p.scalar.name: p.value for p in dae.published}
-        missing = [name for name in OUTPUTS if name not in published]
-        if missing:
-            raise InputError(
-                f"{dae.name} has no variable {' and '.join(missing)}; a plant of the wiper drive is needed"
-            )
-        outputs = _column([published[name] for name in OUTPUTS])
-        expressions = [substitute(e, held) for e in (dae.derivatives, dae.residuals, outputs)]
-        behind = symbols_behind(dae, _column([dae.derivatives, dae.residuals, outputs]))
-        watched = [r for r in dae.relations if r.symbol.name() in behind]
-        self._watched = [(r.text, r.strict, bool(c[r.symbol.name()])) for r in watched]
-        indicators = substitute(_column([r.indicator for r in watched]), held)
-        free = ca.symvar(ca.vertcat(*expressions, indicators))
-        extra = {s.name() for s in free} - {s.name() for a in arguments for s in ca.symvar(a)}
-        if extra:
-            raise InputError(f"{dae.name} depends on {', '.join(sorted(extra))} in a way that cannot be fitted")
-        return ca.Function("rhs", arguments, expressions), ca.Function("relations", arguments, [indicators])
+    def _parameters(self, q: Array) -> Array:
+        free = self._free.copy()
+        free[self._fitted] = q[self.sizes[0] :]
+        found = self._library.parameters(free)
+        if not np.isfinite(found).all():
+            raise SimulationError("the parameters give no finite equations; start from others, or give bounds")
+        return found
 
 
 def linkage_equations() -> Dae:
@@ -191,13 +192,38 @@ def linkage_equations() -> Dae:
     return compile_model(entry.source, entry.model)
 
 
+def linkage_plant(dae: Dae | None = None) -> Plant:
+    """Return what is known of the built-in plant with the linkage, from the user's cache once it has been there.
+
+    ``dae`` are its equations, if they are at hand. Raises ModelError or BuildError if they cannot be compiled.
+    """
+    return _plant(dae, _folder())
+
+
 def linkage_model(names: Sequence[str], given: Mapping[str, float] | None = None, dae: Dae | None = None) -> Model:
     """Return the built-in plant with the linkage, with some parameters free; arguments and errors as of Model.
 
-    ``dae`` are its equations, if they are at hand.
+    ``dae`` are its equations, if they are at hand. Once compiled for these names, it comes from the user's cache.
     """
-    return Model(dae or linkage_equations(), names, given, catalogue.scratch(_PLANT, "observed"))
+    folder = _folder()
+    return Model(_plant(dae, folder), lambda: dae or linkage_equations(), names, given or {}, folder)
 
 
-def _column(values: Sequence[SX]) -> SX:
-    return ca.vertcat(SX(0, 1), *values)
+def _plant(dae: Dae | None, folder: Path) -> Plant:
+    path = folder / "plant.json"
+    if not path.is_file():
+        folder.mkdir(parents=True, exist_ok=True)
+        with FileLock(path.with_suffix(".lock")):
+            if not path.is_file():
+                found = plant_of(dae or linkage_equations(), catalogue.scratch(_PLANT, "observed"))
+                found.write(path.with_suffix(".part"))
+                path.with_suffix(".part").replace(path)
+    return Plant.read(path)
+
+
+def _folder() -> Path:
+    """The folder in the user's cache; another one as soon as its content would be."""
+    digest = hashlib.sha256()
+    for name in _SOURCES:
+        digest.update((Path(__file__).parent / name).read_bytes())
+    return catalogue.scratch(_PLANT, f"calibration {digest.hexdigest()}")

@@ -1,27 +1,26 @@
-"""All measurements in one collocation problem, and its solution by IPOPT."""
+"""What is to be found: the parameters with what is known of them beforehand, and the measurements that tell of them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
-from cosim.calibration._collocation import Collocation, collocate
 from cosim.calibration._data import Data
-from cosim.calibration._ipopt import Progress, solve
-from cosim.calibration._model import OUTPUTS, Model
-from cosim.calibration._uncertainty import Sensitivity, Uncertainty, sensitivity, uncertainty
+from cosim.calibration._grid import STAGES, intervals, points_of, sampling
+from cosim.calibration._model import Model
 from cosim.errors import InputError
 
 Array = NDArray[np.float64]
-_HUBER = 3.0
+HUBER = 3.0
 """Residuals beyond this many standard deviations count linearly if the loss is robust."""
-_REST = 0.05
+REST = 0.05
 """Speed [rad/s] that a crank may have reached between the instant of switching on and the first sample after it."""
-_LOOSE = 0.3
+LOOSE = 0.3
+"""What the data do not tell stays near its start: known to a third, far too weak to move what they tell."""
 _WIDE = 10.0
 """Without bounds, a parameter may become this many times larger or smaller."""
 
@@ -43,29 +42,54 @@ class Free:
 
 @dataclass(frozen=True)
 class Part:
-    """A measurement inside the problem: its equations, and which entries of theta it uses."""
+    """A measurement inside the problem, and which entries of theta it uses.
+
+    ``borders`` [s] of the intervals, ``points`` [s] of collocation, ``u`` the inputs there, shape (points, inputs);
+    ``sampling`` (samples, points) takes what is there to the instants of the data.
+    """
 
     data: Data
-    collocation: Collocation
+    borders: Array
+    points: Array
+    u: Array
+    sampling: csr_array
     entries: list[int]
     held_out: bool
 
+    @property
+    def h(self) -> Array:
+        """Lengths [s] of the intervals."""
+        return np.diff(self.borders)
 
-@dataclass(frozen=True)
-class Motion:
-    """A measurement's part of a solution: the initial state ``x0`` and the values ``w`` at the points, scaled."""
-
-    x0: Array
-    w: Array
+    def first(self, length: float) -> Part:
+        """Return the first so many seconds of it; all, if there are not as many."""
+        count = int(np.searchsorted(self.borders, self.borders[0] + length))
+        if count >= len(self.borders) - 1:
+            return self
+        points = STAGES * count
+        samples = int(np.searchsorted(self.data.time, self.borders[count]))
+        part = self.sampling[:samples]
+        # the last samples may be interpolated from points that are left out
+        samples = int(np.searchsorted(np.maximum.reduceat(part.indices, part.indptr[:-1]), points))
+        return replace(
+            self,
+            borders=self.borders[: count + 1],
+            points=self.points[:points],
+            u=self.u[:points],
+            sampling=self.sampling[:samples, :points],
+        )
 
 
 @dataclass(frozen=True)
 class Solution:
-    """Parameters over their scales, a motion for each fitted measurement, and how IPOPT ended."""
+    """Parameters over their scales, an initial state (scaled) for each fitted measurement, and how the search ended.
+
+    ``limit`` is what kept it from a minimum, None if it is at one.
+    """
 
     theta: Array
-    motions: tuple[Motion, ...]
-    status: str
+    states: tuple[Array, ...]
+    limit: str | None
     iterations: int
 
 
@@ -76,7 +100,7 @@ class Problem:
     """
 
     def __init__(self, model: Model, free: Sequence[Free], data: Sequence[Data], held_out: Sequence[Data] = ()) -> None:
-        """Set up the equations; raises InputError if bounds or priors contradict each other or the starting values."""
+        """Set it up; raises InputError if bounds or priors contradict each other or the starting values."""
         if [f.name for f in free] != list(model.names):
             raise InputError(
                 f"to be fitted are {', '.join(f.name for f in free)}, but the model was made for "
@@ -106,124 +130,23 @@ class Problem:
         name = self.free[k].name
         return name if number is None else f"{name} ({self.parts[number].data.name})"
 
-    def solve(self, robust: bool, most_iterations: int, progress: Progress | None) -> Solution:
-        """Minimise the loss; ``progress`` is told the iteration and the root mean square of all residuals over noise.
+    def initial(self, part: Part) -> Array:
+        """Return a guess of a measurement's initial state, scaled."""
+        return np.asarray(part.data.initial(self.model) / self.model.scales[0])
 
-        Raises SimulationError if IPOPT found nothing finite.
-        """
-        theta = ca.MX.sym("theta", len(self.labels))
-        variables, starts, lower, upper = [theta], [self.start], [self.lower], [self.upper]
-        # what the data do not tell stays near its start: known to a third, far too weak to move what they tell
-        residuals, constraints = [(theta - self.start) / _LOOSE, *self._priors(theta)], []
-        known = sum(each.numel() for each in residuals)
-        for part in self.fitted:
-            own, q, w, r = self._motion(part, theta[part.entries])
-            residuals.append(r)
-            constraints.append(part.collocation.residuals(q, w))
-            for variable, guess in zip(own, self._guess(part), strict=True):
-                variables.append(variable)
-                starts.append(guess)
-                lower.append(np.full(len(guess), -np.inf))
-                upper.append(np.full(len(guess), np.inf))
-        r = ca.vertcat(*residuals)
-        turns = np.full(r.numel(), _HUBER if robust else np.inf)
-        turns[:known] = np.inf
-        count = r.numel() - known
-        found, status, iterations = solve(
-            ca.vertcat(*variables), r, ca.vertcat(*constraints), turns, starts, (lower, upper), most_iterations,
-            None if progress is None else lambda k, f: progress(k, float(np.sqrt(max(2.0 * f, 0.0) / count))),
-        )  # fmt: skip
-        theta_found, *rest = np.split(found, np.cumsum([len(start) for start in starts])[:-1])
-        motions = tuple(Motion(x0, w) for x0, w in zip(rest[::2], rest[1::2], strict=True))
-        return Solution(theta_found, motions, status, iterations)
-
-    def follow(self, part: Part, theta: Array, most_iterations: int) -> Motion:
-        """Return the motion with given parameters that meets a measurement best: only its initial state is free."""
-        (x0, _), q, w, r = self._motion(part, ca.DM(theta[part.entries]))
-        starts = self._guess(part)
-        free = [np.full(len(start), np.inf) for start in starts]
-        found, _, _ = solve(
-            ca.vertcat(x0, w), r, part.collocation.residuals(q, w), np.full(r.numel(), np.inf), starts,
-            ([-f for f in free], free), most_iterations, None,
-        )  # fmt: skip
-        return Motion(found[: len(starts[0])], found[len(starts[0]) :])
-
-    def modelled(self, part: Part, theta: Array, motion: Motion) -> Array:
-        """Return the OUTPUTS at the instants of the data, shape (2, n)."""
-        outputs = part.collocation.outputs(np.concatenate((motion.x0, theta[part.entries])), motion.w)
-        return np.array(ca.mtimes(outputs, part.collocation.sampling.T), dtype=np.float64)
-
-    def sensitivity(self, part: Part, theta: Array, motion: Motion) -> Sensitivity:
-        """Return how a measurement's residuals change with its initial state and with theta."""
-        q = ca.MX.sym("q", len(motion.x0) + len(part.entries))
-        w = ca.MX.sym("w", len(motion.w))
-        residuals = ca.Function("r", [q, w], [self._residuals(part, q, w)])
-        at = np.concatenate((motion.x0, theta[part.entries]))
-        return sensitivity(
-            part.collocation.residuals, residuals, at, motion.w, len(motion.x0), part.entries, len(theta)
-        )
-
-    def uncertainty(self, solution: Solution) -> Uncertainty:
-        """Return how certain the parameters of a solution are."""
-        known = [self.free[k].prior for k, _ in self.labels]
-        strengths = [0.0 if p is None else abs(s) / p[1] for p, s in zip(known, self.scale, strict=True)]
-        names = [self.label(entry) for entry in range(len(self.labels))]
-        parts = [self.sensitivity(p, solution.theta, m) for p, m in zip(self.fitted, solution.motions, strict=True)]
-        return uncertainty(names, parts, np.array(strengths), solution.theta)
-
-    def mode_changes(self, solution: Solution) -> list[str]:
-        """Tell where a relation that is held would have changed: the fit is not to be trusted there."""
-        notes = []
-        x_scale, z_scale = self.model.scales
-        scales = np.concatenate((x_scale, z_scale))
-        for part, motion in zip(self.fitted, solution.motions, strict=True):
-            columns = motion.w.reshape(-1, len(scales)).T * scales[:, None]
-            x, z = columns[: len(x_scale)], columns[len(x_scale) :]
-            u = self.model.input_column(part.data.supply_at(part.collocation.points))
-            change = self.model.first_change(x, z, u, solution.theta[part.entries])
-            if change is not None:
-                column, text = change
-                notes.append(
-                    f"{part.data.name}: at {part.collocation.points[column]:.3f} s the relation '{text}' changes, "
-                    "which the fit takes to stay as it is; choose another window"
-                )
-        return notes
+    def priors(self) -> Iterator[tuple[int, float, float]]:
+        """Give entries of theta with the mean and the standard deviation that are known of them beforehand, scaled."""
+        for entry, (k, _) in enumerate(self.labels):
+            prior = self.free[k].prior
+            if prior is not None:
+                yield entry, prior[0] / self.scale[entry], prior[1] / abs(self.scale[entry])
 
     def _part(self, number: int, data: Data, held_out: bool) -> Part:
         entries = [self.labels.index((k, number if f.local else None)) for k, f in enumerate(self.free)]
-        return Part(data, collocate(self.model, data), entries, held_out)
-
-    def _guess(self, part: Part) -> list[Array]:
-        return [part.collocation.guess_q[: self.model.sizes[0]], part.collocation.guess_w]
-
-    def _motion(self, part: Part, own_theta: ca.MX | ca.DM) -> tuple[list[ca.MX], ca.MX, ca.MX, ca.MX]:
-        """Return a measurement's variables [x0, w], q and w of its equations, and its residuals."""
-        x0 = ca.MX.sym("x0", self.model.sizes[0])
-        w = ca.MX.sym("w", len(part.collocation.guess_w))
-        q = ca.vertcat(x0, own_theta)
-        return [x0, w], q, w, self._residuals(part, q, w)
-
-    def _residuals(self, part: Part, q: ca.MX, w: ca.MX) -> ca.MX:
-        """Return the residuals of a measurement over their noise, and its speed at the start if that is from rest."""
-        data = part.data
-        outputs = part.collocation.outputs(q, w)
-        current, torque = (ca.mtimes(part.collocation.sampling, outputs[row, :].T) for row in range(len(OUTPUTS)))
-        found = [(current - data.current) / data.noise[0]]
-        if data.torque is not None:
-            found.append((torque - data.torque) / data.noise[1])
-        if data.from_rest:
-            speed = self.model.state("w_crank")
-            found.append(q[speed] * self.model.scales[0][speed] / _REST)
-        return ca.vertcat(*found)
-
-    def _priors(self, theta: ca.MX) -> list[ca.MX]:
-        """Return the deviations of theta from what is known beforehand, over their standard deviations."""
-        known = [self.free[k].prior for k, _ in self.labels]
-        return [
-            (theta[entry] * self.scale[entry] - prior[0]) / prior[1]
-            for entry, prior in enumerate(known)
-            if prior is not None
-        ]
+        borders = intervals(data.time[0], data.time[-1], data.from_rest)
+        points = points_of(borders)
+        u = self.model.inputs(data.supply_at(points))
+        return Part(data, borders, points, u, sampling(points, data.time), entries, held_out)
 
     def _bounds(self) -> tuple[Array, Array]:
         lower, upper = np.full(len(self.labels), -np.inf), np.full(len(self.labels), np.inf)

@@ -47,7 +47,7 @@ class Agreement:
 class Fit:
     """Parameters with their uncertainty, and how well each measurement is met by them.
 
-    ``solved`` tells whether IPOPT found a minimum, ``limit`` what kept it from one. ``modelled`` has for each
+    ``solved`` tells whether a minimum was found, ``limit`` what kept it from one. ``modelled`` has for each
     measurement the current [A] and torque [N.m] at its instants, shape (2, n).
     """
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -93,34 +92,6 @@ class Uncertainty:
     def undetermined(self) -> list[Direction]:
         """The directions that the data do not tell."""
         return [direction for direction in self.directions if not direction.determined]
-
-
-def sensitivity(
-    equations: ca.Function, residuals: ca.Function, q: Array, w: Array, states: int, entries: Sequence[int], total: int
-) -> Sensitivity:
-    """Return dr/dq along the solutions w(q) of 0 = g(q, w), by the implicit function theorem.
-
-    Args:
-        equations: g(q, w).
-        residuals: r(q, w).
-        q: initial state, then parameters.
-        w: the solution for q.
-        states: how many entries of q are the initial state.
-        entries: which of all parameters the others are.
-        total: how many parameters there are.
-    """
-    from scipy.sparse.linalg import splu
-
-    variables = ca.MX.sym("q", len(q)), ca.MX.sym("w", len(w))
-    g, r = equations(*variables), residuals(*variables)
-    jacobians = ca.Function("j", [*variables], [ca.jacobian(e, v) for e in (g, r) for v in variables])
-    g_q, g_w, r_q, r_w = (matrix.sparse() for matrix in jacobians(q, w))
-    dw = -splu(g_w.tocsc()).solve(g_q.toarray())
-    dr = np.asarray(r_q.toarray() + r_w @ dw, dtype=np.float64)
-    by_theta = np.zeros((dr.shape[0], total))
-    for column, entry in enumerate(entries):
-        by_theta[:, entry] += dr[:, states + column]
-    return Sensitivity(np.array(residuals(q, w), dtype=np.float64).ravel(), dr[:, :states], by_theta)
 
 
 def uncertainty(names: Sequence[str], parts: Sequence[Sensitivity], priors: Array, theta: Array) -> Uncertainty:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import typer
 
-from cosim.calibration import Fit, Free, data_of, draw_fit, fit, linkage_equations, linkage_model, write_fit
+from cosim.calibration import Fit, Free, Method, data_of, draw_fit, fit, linkage_model, linkage_plant, write_fit
 from cosim.cli._choices import measured, table
 from cosim.cli._screen import Screen, warned
 from cosim.errors import InputError
@@ -38,6 +38,7 @@ class Request:
     stop: str | None
     robust: bool
     iterations: int
+    method: Method
 
 
 def calibrate_files(
@@ -57,15 +58,13 @@ def calibrate_files(
     with warned(screen):
         data = [data_of(read(path, columns=names), *window) for path in measurements]
         held_out = [data_of(read(path, columns=names), *window) for path in request.hold_out]
+    picture = out.with_suffix(".png")
+    for path in (out, picture) if plots else (out,):
+        _check_writable(path)
     with screen.working("compiling the plant"):
-        dae = linkage_equations()
-        units = {
-            p.scalar.name: p.scalar.declaration.unit or "1"
-            for p in dae.parameters
-            if p.independent and p.scalar.declaration.type == "Real"
-        }
+        units = {p.name: p.unit for p in linkage_plant().parameters if p.type == "Real"}
         free, given, fixed = _parameters(request, units)
-        model = linkage_model([f.name for f in free], given, dae)
+        model = linkage_model([f.name for f in free], given)
 
     def tell(iteration: int, chi: float) -> None:
         if screen.talks:
@@ -77,13 +76,13 @@ def calibrate_files(
         data,
         held_out=held_out,
         robust=request.robust,
+        method=request.method,
         most_iterations=request.iterations,
         progress=tell,
     )
     document = write_fit(found, out, {name: (value, units.get(name, "1")) for name, value in fixed.items()})
     screen.say(describe(found))
     if plots:
-        picture = out.with_suffix(".png")
         draw_fit(found, picture)
         screen.say(str(picture))
     screen.say(str(out))
@@ -135,6 +134,19 @@ def describe(found: Fit) -> str:
     if found.synthetic:
         lines.append("note: the data are synthetic: computed, not measured")
     return "\n".join([*lines, *(f"note: {note}" for note in dict.fromkeys(found.notes))])
+
+
+def _check_writable(path: Path) -> None:
+    """Raise InputError if a file cannot be written: before the work of which it is to tell."""
+    existed = path.exists()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("ab"):
+            pass
+        if not existed:
+            path.unlink()
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror or error}", file=path) from error
 
 
 def _parameters(request: Request, units: Mapping[str, str]) -> tuple[list[Free], dict[str, float], dict[str, float]]:

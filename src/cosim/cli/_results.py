@@ -6,7 +6,7 @@ What a command needs is imported when it runs, so that ``--help`` is quick.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -144,6 +144,10 @@ def calibrate(
     stop: Annotated[str | None, typer.Option(metavar="TIME", help="Fit up to here; default: for 7 s.")] = None,
     robust: Annotated[bool, typer.Option("--robust", help="Let outliers count less.")] = False,
     iterations: Annotated[int, typer.Option("--iterations", min=0, metavar="N", help="At most so many.")] = 200,
+    method: Annotated[
+        Literal["shooting", "collocation"],
+        typer.Option(help="How to search: shooting is the faster one; collocation leaves it to IPOPT."),
+    ] = "shooting",
     out: Annotated[Path, typer.Option(metavar="FILE", help="The parameter file, for cosim run --params.")] = Path(
         "calibrated.json"
     ),
@@ -173,6 +177,7 @@ def calibrate(
             stop=stop,
             robust=robust,
             iterations=iterations,
+            method=method,
         )
         raise typer.Exit(calibrate_files(measurements, request, out, screen, require=require, plots=plots))
 
