@@ -44,6 +44,10 @@ class Blocks:
         """Return it with the statement that no output depends on any input."""
         return self._get(version, "liar")
 
+    def forward(self, version: int = 3) -> Fmu:
+        """Return it without states to go back to."""
+        return self._get(version, "forward")
+
     def start(self, u: float, version: int = 3) -> Fmu:
         """Return it with another start value of u."""
         return self._get(version, f"{u}")
@@ -77,6 +81,8 @@ class Blocks:
             if kind == "bare":
                 text = re.sub(r' dependencies="[^"]*" dependenciesKind="[^"]*"', "", text)
                 return re.sub(r' providesDirectionalDerivatives?="true"', "", text)
+            if kind == "forward":
+                return re.sub(r' canGetAndSetFMU[sS]tate="true" canSerializeFMU[sS]tate="true"', "", text)
             assert text.count('start="0.5"') == 1
             return text.replace('start="0.5"', f'start="{kind}"')
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from array import array
 
+from cosim.engine._algebraic import LoopError
 from cosim.engine._coupling import INNER, Coupling
-from cosim.engine._instance import CallError
 
 MOST_PASSES = 40
 CONTRACTS = 0.3
@@ -21,6 +21,8 @@ ACCURACY = 0.01
 _PROBE = 1e-4
 """By which a value is changed to see what comes of it, relative to its scale."""
 _SINGULAR = 1e-10
+_GAIN_1 = 1e-7
+"""Pivot below which a change comes back around a loop unchanged, as far as can be seen."""
 
 
 def agree(coupling: Coupling, t: float, h: float, recording: bool) -> None:
@@ -106,7 +108,7 @@ def solve(matrix: array[float], right: array[float], solution: array[float]) -> 
                 pivot, best = row, abs(a[row * n + k])
         for column in range(n):
             size = max(size, abs(matrix[pivot * n + column]))
-        if not best > _SINGULAR * size:
+        if not best > max(_SINGULAR * size, _GAIN_1 if pivot == k else 0.0):
             return False
         if pivot != k:
             for column in range(n):
@@ -124,16 +126,21 @@ def solve(matrix: array[float], right: array[float], solution: array[float]) -> 
     return True
 
 
-def disagreement(coupling: Coupling, t: float) -> CallError:
+def disagreement(coupling: Coupling, t: float) -> LoopError:
     """Return the error for components that do not come to agree at the end of a step, at t [s]."""
+    members = {i: member.participant.instance for member in coupling.members for i in member.links}
     parts = []
     for i in coupling.cut:
-        link = coupling.links[i]
-        given = link.of(coupling.values)
-        parts.append(f"{link.name} = {coupling.end[i]:.9g}, from which follows {given:.9g}")
-    members = {i: member for member in coupling.members for i in member.links}
-    return CallError(
-        members[coupling.cut[0]].participant.instance,
-        f"in the step to {t:.9g} s no values are found at which the components agree: {'; '.join(parts)}",
-        "check the loop for a solution; give it a delay or a state, or take shorter steps",
+        link, instance = coupling.links[i], members[i]
+        taken, given = coupling.end[i], link.of(coupling.values)
+        unit = instance.fmu.variables[link.name.removeprefix(f"{instance.name}.")].unit
+        u = "" if unit in (None, "1") else f" {unit}"
+        parts.append(f"{link.name} = {taken:.9g}{u} comes back as {given:.9g}{u} (residual {given - taken:.3g}{u})")
+    what = "at which the components agree"
+    if coupling.method.loops:
+        what = f"that fulfil the algebraic loop {' and '.join(coupling.method.loops)}"
+    return LoopError(
+        members[coupling.cut[0]],
+        f"in the step to {t:.9g} s no values are found {what}: {'; '.join(parts)}",
+        "see whether there is a solution; take shorter steps, or break the loop by a state, a sample or a delay",
     )

@@ -68,7 +68,7 @@ class CouplingTable:
             allowed=float(parts**coupling.method.accuracy),
             method=_METHODS[coupling.method.algorithm],
             order=coupling.method.order,
-            loops=coupling.method.loops,
+            loops=bool(coupling.method.loops),
             has_matrix=coupling.has_matrix,
             **{name: getattr(coupling, name) for name in _COUNTED},
         )

@@ -10,7 +10,7 @@ from math import ceil
 from typing import Literal, get_args
 
 from cosim.engine._fmu import Fmu
-from cosim.engine._graph import continuous_loops
+from cosim.engine._graph import Loop, Phase, declared, loops_among
 from cosim.engine._role import Role, fixed_step_of
 from cosim.engine._system import SAME_INSTANT, Component, Connection, System
 from cosim.errors import FmuError, FmuWarning, InputError
@@ -32,15 +32,15 @@ class Method:
 
     ``step`` [s] is the longest macro step, None for as long as possible; ``order`` is that of the polynomials by which
     connected signals are continued into a step. Every interval between two instants is divided into ``parts`` at
-    least. ``loops`` tells that links form algebraic loops, ``accuracy`` is the power of the macro step with which the
-    error of coupling falls.
+    least. ``loops`` are the algebraic loops that links form, as the user reads them; ``accuracy`` is the power of the
+    macro step with which the error of coupling falls.
     """
 
     algorithm: Algorithm
     step: float | None = None
     order: int = 0
     parts: int = 1
-    loops: bool = False
+    loops: tuple[str, ...] = ()
     accuracy: int = 1
 
     def divisions(self, h: float) -> int:
@@ -137,10 +137,12 @@ def choose(
         algorithm = "gauss-seidel"  # nothing is coupled continuously, and there is nothing to gain
     order = _ORDERS.get(algorithm, 0) if extrapolation is None else extrapolation
     assert algorithm in get_args(Algorithm)
-    loops = bool(links) and bool(continuous_loops(system, roles))
+    loops = loops_among(links, declared(system.components, Phase.TIME))
+    if algorithm not in _GO_BACK:
+        _warn_of_loops(system, loops, algorithm, lacking)
     held = any(holds_end(components[c.target[0]].fmu, c.target[1]) for c in links)
     accuracy = 2 if order > 0 and not held else 1
-    return Method(algorithm, step, order, loops=loops, accuracy=accuracy)  # type: ignore[arg-type]
+    return Method(algorithm, step, order, loops=tuple(map(str, loops)), accuracy=accuracy)  # type: ignore[arg-type]
 
 
 def _automatic(links: list[Connection], lacking: list[Component]) -> str:
@@ -155,6 +157,23 @@ def _automatic(links: list[Connection], lacking: list[Component]) -> str:
         stacklevel=4,
     )
     return "extrapolated"
+
+
+def _warn_of_loops(system: System, loops: Iterable[Loop], algorithm: str, lacking: list[Component]) -> None:
+    """Warn (FmuWarning) of loops that are not solved, if the model descriptions say that these are loops."""
+    fmus = {component.name: component.fmu for component in system.components}
+    remedy = "choose the algorithm adaptive or iterated"
+    if lacking:
+        remedy = f"{_named(lacking)} cannot go back to a state (canGetAndSetFMUState), which that would take"
+    for loop in loops:
+        if all(fmus[name].dependencies.get(output) is not None for name, output in (*loop.torn, *loop.others)):
+            warnings.warn(
+                f"the algebraic loop {loop} is not solved while the components are stepped: with the algorithm "
+                f"{algorithm} what goes round it arrives a macro step late, and if its gain is above 1 it grows beyond "
+                f"bounds; {remedy}",
+                FmuWarning,
+                stacklevel=4,
+            )
 
 
 def _named(components: Iterable[Component]) -> str:

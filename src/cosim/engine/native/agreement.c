@@ -7,6 +7,7 @@
 #define ACCURACY 0.01
 #define END_PROBE 1e-4
 #define SINGULAR_PIVOT 1e-10
+#define PIVOT_OF_GAIN_1 1e-7
 
 /* The differences between what the sources give and what was taken; returns the largest over what is allowed. */
 static double differences(const Engine *engine, const Coupling *c, double *residual) {
@@ -79,7 +80,7 @@ static bool solve(const Coupling *c) {
             }
         }
         for (int64_t column = 0; column < n; column++) size = larger(size, fabs(c->matrix[pivot * n + column]));
-        if (!(best > SINGULAR_PIVOT * size)) return false;
+        if (!(best > larger(SINGULAR_PIVOT * size, pivot == k ? PIVOT_OF_GAIN_1 : 0.0))) return false;
         if (pivot != k) {
             for (int64_t column = 0; column < n; column++) swap(&a[k * n + column], &a[pivot * n + column]);
             swap(&x[k], &x[pivot]);
