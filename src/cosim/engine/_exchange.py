@@ -32,6 +32,8 @@ class Stepper(ABC):
     update: Call
     before_inputs: Call
     """Makes sure that inputs may be set."""
+    tolerance: float = 0.0
+    """Relative, of the solver, for messages."""
 
     @property
     @abstractmethod
@@ -161,6 +163,11 @@ class ExchangeInstance(Instance):
         super().exit_initialization()
         self._initialized = True
         self.check("NewDiscreteStates", self._stepper.begin(self._tolerance, self._stop))
+
+    def go_on(self, tolerance: float) -> None:
+        """Take it that a state of after initialisation was set, in a run with this relative tolerance."""
+        self._tolerance = self._stepper.tolerance = tolerance
+        self._initialized = True
 
     def check(self, function: str, status: int) -> None:
         """Raise CallError for what has failed inside a step, or as for Co-Simulation."""

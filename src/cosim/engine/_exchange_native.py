@@ -103,7 +103,6 @@ class NativeStepper(Stepper):
         self._names = _functions(instance.fmu.fmi_version, instance.names)
         self._exchange: int | None = None
         self._memory: list[object] = []
-        self._tolerance = 0.0
         flags = [addressof(instance.flags) + byte for byte in range(3)]
         updates = [addressof(instance.update_flags) + byte for byte in range(5)]
         self._reached = c_double()
@@ -118,7 +117,7 @@ class NativeStepper(Stepper):
 
     def begin(self, tolerance: float, stop: float | None) -> int:
         """Start the solver."""
-        self._tolerance = tolerance
+        self.tolerance = tolerance
         return self._bound(_BEGIN, "begin")(tolerance, inf if stop is None else stop)
 
     @property
@@ -200,7 +199,7 @@ class NativeStepper(Stepper):
         if trouble.kind == _NOT_FINITE:
             return failures.not_finite(instance, trouble.t, state)
         if trouble.kind == _STEP_TOO_SMALL:
-            return failures.too_small(instance, trouble.t, trouble.h, state, self._tolerance)
+            return failures.too_small(instance, trouble.t, trouble.h, state, self.tolerance)
         if trouble.kind == _SINGULAR:
             return failures.singular(instance, trouble.t, state)
         if trouble.kind == _EVENTS_WITHOUT_END:

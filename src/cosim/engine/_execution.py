@@ -174,7 +174,7 @@ def begin(job: Job, plan: Plan, record: Record) -> list[str]:
     saving = job.saving
     if saving and saving.resume:
         _couple(job, plan)
-        restore(saving.resume, plan, record)
+        restore(saving.resume, plan, record, job.tolerance)
         apply(saving.parameters or {}, plan, record, job.step)
         return []
     for component in job.system.components:

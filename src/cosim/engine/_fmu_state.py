@@ -2,29 +2,43 @@
 
 from __future__ import annotations
 
-from ctypes import CFUNCTYPE, addressof, byref, c_char_p, c_int, c_size_t, c_void_p, create_string_buffer
+from collections.abc import Callable
+from ctypes import CFUNCTYPE, byref, c_char_p, c_int, c_size_t, c_void_p, create_string_buffer
 
 from cosim.engine._fmu import Fmu
 from cosim.engine._instance import CallError, Instance
+from cosim.engine._library import native_library
 from cosim.worker import machine_memory
 
-_SIZE, _WRITE, _READ = range(3)
+_GET, _SET, _FREE, _SIZE, _WRITE, _READ = range(6)
 _NAMES = {
-    "2.0": ("SerializedFMUstateSize", "SerializeFMUstate", "DeSerializeFMUstate"),
-    "3.0": ("SerializedFMUStateSize", "SerializeFMUState", "DeserializeFMUState"),
+    "2.0": (
+        *("GetFMUstate", "SetFMUstate", "FreeFMUstate"),
+        *("SerializedFMUstateSize", "SerializeFMUstate", "DeSerializeFMUstate"),
+    ),
+    "3.0": (
+        *("GetFMUState", "SetFMUState", "FreeFMUState"),
+        *("SerializedFMUStateSize", "SerializeFMUState", "DeserializeFMUState"),
+    ),
 }
-_ARGUMENTS = ((c_void_p, c_void_p), (c_void_p, c_void_p, c_size_t), (c_char_p, c_size_t, c_void_p))
+_TYPES = tuple(
+    CFUNCTYPE(c_int, c_void_p, *arguments)
+    for arguments in (
+        *((c_void_p,), (c_void_p,), (c_void_p,)),
+        *((c_void_p, c_void_p), (c_void_p, c_void_p, c_size_t), (c_char_p, c_size_t, c_void_p)),
+    )
+)
 _REMEDY = "it claims that it can do this: report it to whoever exported it"
 
 
 def why_not_saved(fmu: Fmu) -> str | None:
     """Return why the engine cannot save and set the state of such an FMU; None if it can."""
-    if fmu.interface == "ModelExchange":
-        return "is for Model Exchange, and the solver that integrates it here cannot be put back to an earlier time"
     if fmu.fmi_version == "1.0":
         return "is of FMI 1.0, which cannot save states"
     if not fmu.capabilities["canGetAndSetFMUstate"]:
         return f"cannot save its state (its description does not claim {_claim(fmu, 'canGetAndSet')})"
+    if fmu.interface == "ModelExchange" and native_library() is None:
+        return "is for Model Exchange, and without the native library its solver (CVode) cannot save its own state"
     return None
 
 
@@ -40,20 +54,30 @@ def _claim(fmu: Fmu, verb: str) -> str:
 
 
 class FmuState:
-    """A saved state of one instance, in memory of the FMU: of use until ``free``, and no longer than the instance."""
+    """A saved state of one instance, in memory of the FMU: of use until ``free``, and no longer than the instance.
+
+    That of a Model Exchange FMU has its solver's in it.
+    """
 
     def __init__(self, instance: Instance, content: bytes | None = None) -> None:
         """Save the present state, or take over what ``to_bytes`` gave; raises CallError if the FMU does not do it."""
         self._instance = instance
+        self._names = _NAMES[instance.fmu.fmi_version]
         self._handle = c_void_p()
+        self._set = self._function(_SET)
         if content is None:
-            instance.save_state(addressof(self._handle))
+            self._call(_GET, byref(self._handle))
         else:
             self._call(_READ, content, len(content), byref(self._handle))
 
     def restore(self) -> None:
         """Put the instance into this state; it may be done again and again. Raises CallError."""
-        self._instance.restore_state(self._handle.value or 0)
+        site = self._instance.site
+        site.enter(self._names[_SET])
+        status = self._set(self._instance.component, self._handle)
+        site.leave()
+        if status:
+            self._check(_SET, status)
 
     def to_bytes(self) -> bytes:
         """Return the state as bytes, which another instance of the same FMU can take over; raises CallError."""
@@ -68,20 +92,26 @@ class FmuState:
     def free(self) -> None:
         """Give the memory back."""
         if self._handle:
-            self._instance.free_state(addressof(self._handle))
+            self._call(_FREE, byref(self._handle))
             self._handle = c_void_p()
 
-    def _call(self, which: int, *arguments: object) -> None:
-        instance = self._instance
-        name = _NAMES[instance.fmu.fmi_version][which]
+    def _function(self, which: int) -> Callable[..., int]:
+        name = self._names[which]
         try:
-            function = CFUNCTYPE(c_int, c_void_p, *_ARGUMENTS[which])(instance.pointer(name))
+            return _TYPES[which](self._instance.pointer(name))
         except AttributeError:
-            raise CallError(instance, f"has no function {instance.symbol(name)}", _REMEDY) from None
-        instance.site.enter(name)
-        status = function(instance.component, *arguments)
-        instance.site.leave()
+            what = f"has no function {self._instance.symbol(name)}"
+            raise CallError(self._instance, what, _REMEDY) from None
+
+    def _call(self, which: int, *arguments: object) -> None:
+        function, site = self._function(which), self._instance.site
+        site.enter(self._names[which])
+        status = function(self._instance.component, *arguments)
+        site.leave()
+        self._check(which, status)
+
+    def _check(self, which: int, status: int) -> None:
         try:
-            instance.check(name, status)
+            self._instance.check(self._names[which], status)
         except CallError as error:
             raise CallError(error.instance, error.what, _REMEDY) from None

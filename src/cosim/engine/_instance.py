@@ -151,6 +151,9 @@ class Instance(ABC):
         """Leave Initialization Mode."""
         self.once("ExitInitializationMode", self._slave.exitInitializationMode)
 
+    def go_on(self, tolerance: float) -> None:
+        """Take it that a state of after initialisation was set, in a run with this relative tolerance."""
+
     def symbol(self, function: str) -> str:
         """Return the name that a function has in the FMU's library."""
         return f"fmi{self.fmu.fmi_version[0]}{function}"

@@ -139,7 +139,7 @@ def save(
     return checkpoint
 
 
-def restore(checkpoint: Checkpoint, plan: Plan, record: Record) -> None:
+def restore(checkpoint: Checkpoint, plan: Plan, record: Record, tolerance: float) -> None:
     """Put instances that were just made, a plan and a record to where the checkpoint was.
 
     Raises FmuError if an FMU refuses its state, InputError if the checkpoint does not belong to this plan.
@@ -154,6 +154,7 @@ def restore(checkpoint: Checkpoint, plan: Plan, record: Record) -> None:
             state = FmuState(instance, content)
             state.restore()
             state.free()
+            instance.go_on(tolerance)
         except CallError as error:
             raise FmuError(
                 f"{instance.name} ({instance.fmu.name}) refuses its state in the checkpoint: {error.what}; "
