@@ -13,6 +13,7 @@ from cosim.engine import Fmu
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "fmus"))
 from fmu_builder import INTEGRATOR, MODELS, build, with_unknown_dependencies
+from saving_fmus import SavingFmus
 
 
 @pytest.fixture(scope="session")
@@ -59,3 +60,11 @@ def coupled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CoupledSystems
     systems = CoupledSystems(tmp_path_factory.mktemp("coupled"))
     yield systems
     systems.close()
+
+
+@pytest.fixture(scope="session")
+def saving(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[str, int], Fmu]]:
+    """Return a test FMU that saves its state, read once, by its name and FMI version (3 unless told)."""
+    fmus = SavingFmus(tmp_path_factory.mktemp("saving"))
+    yield fmus
+    fmus.close()

@@ -7,17 +7,18 @@ import math
 import os
 import random
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from both_loops import compare, ending
-from fmu_builder import MODELS, build, edited
+from fmu_builder import edited
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_systems import systems
+from saving_fmus import LOOPS, RUN, again, feedback, same, under
 
 from cosim.engine import (
     Channel,
@@ -39,62 +40,12 @@ from cosim.scenario import assemble, read
 
 Get = Callable[..., Fmu]
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
-LOOPS = ("native", "python")
-
-
-@pytest.fixture(scope="module")
-def saving(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Get]:
-    """Return a test FMU that saves its state, by its name and FMI version (3 unless told)."""
-    folder = tmp_path_factory.mktemp("saving")
-    opened: dict[tuple[str, int], Fmu] = {}
-
-    def get(name: str, fmi: int = 3) -> Fmu:
-        if (name, fmi) not in opened:
-            opened[name, fmi] = Fmu.read(build(MODELS[name], fmi, folder, saves=True))
-        return opened[name, fmi]
-
-    yield get
-    for one in opened.values():
-        one.close()
-
-
-def under(loop: str, system: System, **arguments: object) -> Result:
-    """Simulate with one loop; raise what it ends with."""
-    found = ending(loop, system, **arguments)  # type: ignore[arg-type]
-    if isinstance(found, CosimError):
-        raise found
-    return found
-
-
-def again(checkpoint: Checkpoint, folder: Path) -> Checkpoint:
-    """Send a checkpoint through a file."""
-    return Checkpoint.load(checkpoint.save(folder / "x.cosim"))
-
-
-def same(result: Result, reference: Result) -> None:
-    """Assert that two results are equal but for wall time, loop, and what tells that one was resumed."""
-    result.statistics.pop("resumed_at_s", None)
-    compare(result, reference)
-
-
-def feedback(get: Get, version: int = 3, **parameters: float) -> System:
-    """Return an integrator and a sampler in a loop: x' = u, u = K x(t_k)."""
-    return System(
-        [
-            Component("plant", get("integrator", version), {"x0": 1.0}),
-            Component("c", get("sampler", version), {"K": -4.0, "T_compute": 0.01, **parameters}),
-        ],
-        [Connection(("plant", "x"), ("c", "u")), Connection(("c", "y"), ("plant", "u"))],
-    )
-
-
-RUN = {"stop": 0.1, "output_interval": 0.01, "tolerance": 1e-6, "coupling_error": False}
 
 
 # to the same bytes
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_systems_at_random(saving: Get, tmp_path: Path, data: st.DataObject) -> None:
     system = data.draw(systems(saving))
@@ -199,6 +150,22 @@ def bytes_agree(name: str, version: str, loop: str, *, count: int, stop: float, 
         write_csv(resumed, folder / "resumed.csv")
         assert (folder / "resumed.csv").read_bytes() == expected
         same(resumed, reference)
+
+
+@pytest.mark.parametrize("version", ["3.0", "2.0"])
+def test_model_exchange(version: str, tmp_path: Path) -> None:
+    """The solver beside the FMU goes on as if nothing had happened, within its own step, too."""
+    scenario = read(SCENARIOS / "linkage_20ms.csv")
+    system = assemble(scenario, partial(catalogue.ensure, fmi=version))
+    for component in system.components:
+        component.fmu.close()
+        component.fmu = Fmu.read(component.fmu.path, interface="ModelExchange")
+    run = {"stop": 2.0, "output_interval": 1e-3, "tolerance": 1e-6}
+    reference = simulate(system, **run)
+    saved = simulate(system, checkpoint_at=[0.3217, 0.9, 1.4444], **run)
+    same(saved, reference)
+    for checkpoint in saved.checkpoints:
+        same(simulate(system, resume=again(checkpoint, tmp_path), **run), reference)
 
 
 @pytest.mark.parametrize("name", ["label", "words", "parcel"])
@@ -369,10 +336,12 @@ def test_an_fmu_that_cannot_save_its_state_is_refused(saving: Get, fmu: Get, ver
         )
 
 
-def test_an_fmu_for_model_exchange_is_refused(fmu: Get) -> None:
-    assert "ball (ball) is for Model Exchange" in refused(
-        System([Component("ball", fmu("ball"), {"t_end": 1.0})]), checkpoint_at=[0.05]
-    )
+def test_without_the_native_library_model_exchange_is_refused(saving: Get, monkeypatch: pytest.MonkeyPatch) -> None:
+    plant = Fmu.read(catalogue.ensure("LinkagePlant"), interface="ModelExchange")
+    monkeypatch.setenv("COSIM_ENGINE", "python")
+    with plant:
+        message = refused(System([Component("plant", plant)]), checkpoint_at=[0.05])
+    assert "plant (LinkagePlant) is for Model Exchange, and without the native library its solver (CVode)" in message
 
 
 def test_a_folder_that_cannot_be_written_ends_the_run(saving: Get, tmp_path: Path) -> None:
@@ -472,7 +441,7 @@ def _components(contents: dict[str, bytes]) -> list[dict[str, object]]:
     return found
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_damaged_files_are_refused(some: Path, tmp_path: Path, data: st.DataObject) -> None:
     """One changed byte, or the loss of a part, is noticed by the archive's checksums, or changes nothing."""
@@ -495,7 +464,7 @@ def test_damaged_files_are_refused(some: Path, tmp_path: Path, data: st.DataObje
 NUMBERS = st.none() | st.booleans() | st.integers(-(2**70), 2**70) | st.floats() | st.text(max_size=5) | st.just([])
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_forged_documents_end_with_a_message_or_run(
     some: Path, saving: Get, tmp_path: Path, data: st.DataObject

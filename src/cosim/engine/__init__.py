@@ -1,6 +1,7 @@
 """Co-simulation of FMUs: sampled components act at their own instants, without delay; the others run in between."""
 
 from cosim.engine._arguments import LEAST_TOLERANCE
+from cosim.engine._branches import Branches, branches, warm_up
 from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._coupling_error import EXACT
 from cosim.engine._explain import explain_timing
@@ -25,6 +26,7 @@ __all__ = [
     "LEAST_TOLERANCE",
     "RANDOM_FAULTS",
     "Algorithm",
+    "Branches",
     "Channel",
     "Checkpoint",
     "Component",
@@ -42,8 +44,10 @@ __all__ = [
     "System",
     "Value",
     "Variable",
+    "branches",
     "described",
     "explain_timing",
     "role_of",
     "simulate",
+    "warm_up",
 ]

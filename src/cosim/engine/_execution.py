@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from array import array
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
@@ -254,5 +255,18 @@ def _counters(instance: Instance) -> dict[str, int]:
     """Return the counters of the engine's solver, or of the FMU's if it publishes them and is still able to."""
     published = [name for name in _COUNTERS if f"solver.{name}" in instance.fmu.variables]
     with suppress(CallError):
-        return instance.counts or {name: int(instance.get_value(f"solver.{name}")) for name in published}
+        return instance.counts or dict(
+            zip(published, _whole(instance, [f"solver.{n}" for n in published]), strict=True)
+        )
     return {}
+
+
+def _whole(instance: Instance, names: list[str]) -> list[int]:
+    """Return whole numbers, by one call if they are of one type."""
+    types = {instance.fmu.fmi_types[name] for name in names}
+    if len(types) != 1:
+        return [int(instance.get_value(name)) for name in names]
+    buffer = array(instance.type_codes[types.pop()], [0] * len(names))
+    access = instance.access("Get", names, buffer.buffer_info()[0])
+    instance.check(access.function, access.call())
+    return [int(value) for value in buffer]

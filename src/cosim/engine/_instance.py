@@ -151,7 +151,7 @@ class Instance(ABC):
         """Leave Initialization Mode."""
         self.once("ExitInitializationMode", self._slave.exitInitializationMode)
 
-    def go_on(self, tolerance: float) -> None:
+    def go_on(self, tolerance: float) -> None:  # noqa: B027 - most need nothing
         """Take it that a state of after initialisation was set, in a run with this relative tolerance."""
 
     def symbol(self, function: str) -> str:
@@ -294,6 +294,11 @@ class Instance(ABC):
             what = "returned early from a step, which it was not allowed to"
             raise CallError(self, what, "try a smaller output interval, or report it to whoever exported the FMU")
         raise CallError(self, "asked to end the simulation", "set stop before that time, or change what makes it end")
+
+    @property
+    def is_broken(self) -> bool:
+        """Whether the FMU has declared that nothing can be done with it any more."""
+        return self._fatal
 
     def free(self) -> None:
         """Terminate and free the instance, unless the FMU has declared itself broken."""

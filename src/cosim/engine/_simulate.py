@@ -81,28 +81,19 @@ def simulate(
     PartialResultError, a SimulationError, if a component fails, and SimulationInterrupted, a KeyboardInterrupt, on
     Ctrl-C: both carry the rows computed until then as ``result``.
     """
-    check_arguments(stop, output_interval, tolerance)
     loop = loop_name()
-    system.check()
-    method = choose(
+    job = prepared(
         system,
-        roles_of(system),
-        algorithm,
-        step=step,
-        extrapolation=extrapolation,
         stop=stop,
         output_interval=output_interval,
+        tolerance=tolerance,
+        algorithm=algorithm,
+        step=step,
+        extrapolation=extrapolation,
     )
-    if method.is_fixed:
-        check_fixed_steps(system, step)
-    else:
-        warn_of_fixed_steps(system.components, output_interval)
-    for component in system.components:
-        parameters_of(component)
     limits = Limits(call_timeout, memory_limit)
     faults = resolved_faults(system, stop, output_interval)
     layout = lay_out(system)
-    job = Job(system, stop, output_interval, tolerance, method)
     if checkpoint_at or resume is not None:
         job = replace(job, saving=_saving(job, checkpoint_at, checkpoint_to, resume))
     isolated = is_isolated(isolate, system)
@@ -127,6 +118,37 @@ def simulate(
     if ending.message is not None:
         raise PartialResultError(ending.message, result)
     return result
+
+
+def prepared(
+    system: System,
+    *,
+    stop: float,
+    output_interval: float,
+    tolerance: float,
+    algorithm: Algorithm,
+    step: float | None,
+    extrapolation: int | None,
+) -> Job:
+    """Check what ``simulate`` is asked for, with the same arguments; return what is to be done."""
+    check_arguments(stop, output_interval, tolerance)
+    system.check()
+    method = choose(
+        system,
+        roles_of(system),
+        algorithm,
+        step=step,
+        extrapolation=extrapolation,
+        stop=stop,
+        output_interval=output_interval,
+    )
+    if method.is_fixed:
+        check_fixed_steps(system, step)
+    else:
+        warn_of_fixed_steps(system.components, output_interval)
+    for component in system.components:
+        parameters_of(component)
+    return Job(system, stop, output_interval, tolerance, method)
 
 
 def _saving(
