@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from both_loops import ending
+from coupled_systems import CoupledSystems
 from fmu_builder import edited
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -161,6 +162,22 @@ def test_parameters(saving: Get, version: int) -> None:
             assert branch(stop=0.1).columns["plant.x"][-1] == pytest.approx(0.96**10, rel=1e-13)
         with loop(name), branches(saved, feedback(saving, version, K=-10.0)) as branch:
             is_rest_of(branch(stop=0.1), under(name, feedback(saving, version, K=-10.0), resume=saved, **RUN))
+
+
+def test_continuous_coupling(coupled: CoupledSystems) -> None:
+    system = coupled.system("motor")
+    run = {"stop": 0.4, "output_interval": 0.02, "tolerance": 1e-5}
+    whole = simulate(system, checkpoint_at=[0.1234], coupling_error=False, **run)
+    assert whole.checkpoints[0].setup.settings["algorithm"] == "adaptive"
+    for name in LOOPS:
+        with loop(name), branches(whole.checkpoints[0], system) as branch:
+            for _ in range(2):
+                is_rest_of(branch(stop=0.4), whole)
+    with (
+        pytest.raises(InputError, match="needs to know the end: give warm_up a stop"),
+        warm_up(system, until=0.1, output_interval=0.02, tolerance=1e-5),
+    ):
+        pass
 
 
 def test_faults_go_on(saving: Get) -> None:

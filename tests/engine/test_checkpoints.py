@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from both_loops import compare, ending
+from coupled_systems import CoupledSystems
 from fmu_builder import edited
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -21,6 +22,7 @@ from random_systems import systems
 from saving_fmus import LOOPS, RUN, again, feedback, same, under
 
 from cosim.engine import (
+    Algorithm,
     Channel,
     Checkpoint,
     Component,
@@ -150,6 +152,26 @@ def bytes_agree(name: str, version: str, loop: str, *, count: int, stop: float, 
         write_csv(resumed, folder / "resumed.csv")
         assert (folder / "resumed.csv").read_bytes() == expected
         same(resumed, reference)
+
+
+@pytest.mark.parametrize("algorithm", ["extrapolated", "iterated", "adaptive"])
+@pytest.mark.parametrize("name", ["displacement", "motor"])
+def test_continuous_coupling(coupled: CoupledSystems, name: str, algorithm: Algorithm, tmp_path: Path) -> None:
+    """What is known of the connected signals, and the next macro step, are saved; the end is the one first told."""
+    system = coupled.system(name)
+    run = {"stop": 0.4, "output_interval": 0.02, "tolerance": 1e-5, "algorithm": algorithm, "coupling_error": False}
+    chance = random.Random(f"{name} {algorithm}")
+    for loop, other in (LOOPS, LOOPS[::-1]):
+        reference = under(loop, system, **run)
+        saved = under(other, system, checkpoint_at=[chance.uniform(0.0, 0.4) for _ in range(3)], **run)
+        same(saved, reference)
+        for checkpoint in saved.checkpoints:
+            same(under(loop, system, resume=again(checkpoint, tmp_path), **run), reference)
+        checkpoint = saved.checkpoints[0]
+        shorter = under(loop, system, resume=checkpoint, **run | {"stop": checkpoint.time + 0.05})
+        rows = len(shorter.time) - 1
+        for column in shorter.columns:
+            assert shorter.columns[column][:rows].tobytes() == reference.columns[column][:rows].tobytes()
 
 
 @pytest.mark.parametrize("version", ["3.0", "2.0"])

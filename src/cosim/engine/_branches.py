@@ -33,10 +33,11 @@ from cosim.engine._instance import CallError, Instance
 from cosim.engine._method import Algorithm
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Layout, Plan, lay_out
+from cosim.engine._prepare import prepared
 from cosim.engine._record import Record, failure_message, output_grid
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._resume import Saving, apply, check_can_save, check_resume, save
-from cosim.engine._simulate import prepared, result_of
+from cosim.engine._simulate import result_of
 from cosim.engine._snapshot import in_order, put_back, take
 from cosim.engine._system import SAME_INSTANT, Channel, Component, System, dotted
 from cosim.engine._variable import Value
@@ -300,6 +301,11 @@ def _begun(job: Job, recorded: float, until: float | None = None) -> Iterator[Br
     """Give the branches of a job that begins where it says, and goes on ``until`` [s], with rows up to ``recorded``."""
     if job.saving and math.isinf(job.saving.horizon) and any(fault.kind in RANDOM for fault in job.system.faults):
         raise InputError(f"faults that draw lots ({', '.join(RANDOM)}) need to know the end: give warm_up a stop")
+    if job.saving and math.isinf(job.saving.horizon) and job.method.algorithm == "adaptive":
+        raise InputError(
+            "the algorithm adaptive divides the tolerance among the seconds of the run, and needs to know the end: "
+            "give warm_up a stop"
+        )
     layout = lay_out(job.system)
     record = Record.empty(recorded, job.output_interval, layout.recorded, loop_name())
     sites = [Site(record.at, number) for number in range(len(job.system.components))]

@@ -190,7 +190,8 @@ def begin(job: Job, plan: Plan, record: Record) -> list[str]:
 
 def _couple(job: Job, plan: Plan) -> None:
     if job.method.is_coupled:
-        plan.coupling = couple(job.system, plan, job.method, job.tolerance, job.stop)
+        horizon = job.saving.horizon if job.saving and math.isfinite(job.saving.horizon) else job.stop
+        plan.coupling = couple(job.system, plan, job.method, job.tolerance, horizon)
         plan.memory["coupling"] = CouplingMemory(plan.coupling)
 
 

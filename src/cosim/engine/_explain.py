@@ -7,7 +7,6 @@ from contextlib import ExitStack, suppress
 from functools import partial
 from itertools import pairwise
 
-from cosim.engine._arguments import check_arguments, check_fixed_steps
 from cosim.engine._calls import Site
 from cosim.engine._execution import Ending, Job
 from cosim.engine._fault import described
@@ -17,9 +16,10 @@ from cosim.engine._instance import CallError
 from cosim.engine._instances import instantiate
 from cosim.engine._isolation import Isolate, Progress, is_isolated, supervised
 from cosim.engine._loop import run, run_jacobi
-from cosim.engine._method import Algorithm, Method, choose
+from cosim.engine._method import Algorithm, Method
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Plan, lay_out, make_plan, roles_of
+from cosim.engine._prepare import prepared
 from cosim.engine._probe import probe
 from cosim.engine._record import Record, failure_message
 from cosim.engine._role import Role, period_of
@@ -53,15 +53,16 @@ def explain_timing(
     instants of each discrete component. A component that is sampled without an event mode is also probed alone for the
     delay inside it. Raises as ``simulate`` does, SimulationError without a partial result.
     """
-    check_arguments(stop, output_interval, tolerance)
-    system.check()
-    method = choose(
-        system, roles_of(system), algorithm, step=step, extrapolation=None, stop=stop, output_interval=output_interval
+    job = prepared(
+        system,
+        stop=stop,
+        output_interval=output_interval,
+        tolerance=tolerance,
+        algorithm=algorithm,
+        step=step,
+        extrapolation=None,
     )
-    if method.is_fixed:
-        check_fixed_steps(system, step)
     limits = Limits(call_timeout, memory_limit)
-    job = Job(system, stop, output_interval, tolerance, method)
     width = lay_out(system).recorded
     if not is_isolated(isolate, system):
         record = Record.empty(stop, output_interval, width, "python")

@@ -154,7 +154,7 @@ def _automatic(links: list[Connection], lacking: list[Component]) -> str:
         f"the steps in which components exchange are not adapted to the tolerance: {_named(lacking)} cannot go back to "
         "a state (canGetAndSetFMUState); see the coupling error, and choose a shorter step if it is too large",
         FmuWarning,
-        stacklevel=4,
+        stacklevel=5,
     )
     return "extrapolated"
 

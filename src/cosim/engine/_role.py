@@ -84,5 +84,5 @@ def warn_of_fixed_steps(components: Iterable[Component], output_interval: float)
                 "inputs act from its next step on, and its outputs hold in between; choose an output interval, sample "
                 "times and steps of channels that are multiples of it",
                 FmuWarning,
-                stacklevel=3,
+                stacklevel=4,
             )

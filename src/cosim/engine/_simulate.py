@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.engine._arguments import check_arguments, check_fixed_steps
 from cosim.engine._calls import Site
 from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._coupling_error import Companion, Estimate, no_estimate
@@ -18,13 +17,12 @@ from cosim.engine._execution import Ending, Job, execute, instantiated, loop_nam
 from cosim.engine._fault import Fault
 from cosim.engine._fault_signals import resolved_faults
 from cosim.engine._isolation import Isolate, is_isolated, run_isolated
-from cosim.engine._method import Algorithm, choose
-from cosim.engine._parameters import parameters_of
-from cosim.engine._plan import Layout, lay_out, roles_of
+from cosim.engine._method import Algorithm
+from cosim.engine._plan import Layout, lay_out
+from cosim.engine._prepare import prepared
 from cosim.engine._record import Record
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
 from cosim.engine._resume import Saving, check_can_save, check_resume, check_times
-from cosim.engine._role import warn_of_fixed_steps
 from cosim.engine._supervisor import Limits
 from cosim.engine._system import System
 from cosim.errors import FmuWarning
@@ -118,37 +116,6 @@ def simulate(
     if ending.message is not None:
         raise PartialResultError(ending.message, result)
     return result
-
-
-def prepared(
-    system: System,
-    *,
-    stop: float,
-    output_interval: float,
-    tolerance: float,
-    algorithm: Algorithm,
-    step: float | None,
-    extrapolation: int | None,
-) -> Job:
-    """Check what ``simulate`` is asked for, with the same arguments; return what is to be done."""
-    check_arguments(stop, output_interval, tolerance)
-    system.check()
-    method = choose(
-        system,
-        roles_of(system),
-        algorithm,
-        step=step,
-        extrapolation=extrapolation,
-        stop=stop,
-        output_interval=output_interval,
-    )
-    if method.is_fixed:
-        check_fixed_steps(system, step)
-    else:
-        warn_of_fixed_steps(system.components, output_interval)
-    for component in system.components:
-        parameters_of(component)
-    return Job(system, stop, output_interval, tolerance, method)
 
 
 def _saving(
