@@ -87,12 +87,22 @@ def test_the_balance_of_a_motor_without_losses(coupled: CoupledSystems) -> None:
     system = coupled.system("motor")
     system.components[0].parameters["R"] = system.components[1].parameters["d"] = 0.0
     system.power = [TORQUE]
-    for run in (jacobi, gauss_seidel):
-        result = run(system, 0.02)
+    steps: dict[str, Any] = {"stop": 2.0, "output_interval": 0.02, "tolerance": 1e-9}
+    for algorithm in ("jacobi", "gauss-seidel", "extrapolated", "iterated"):
+        result = simulate(system, algorithm=algorithm, step=0.02, **steps)
         i, w = result.columns["winding.i"], result.columns["rotor.w"]
         held = 0.5 * 0.5 * i[-1] ** 2 + 0.5 * 0.25 * w[-1] ** 2
         supplied = 1.0 * np.sum(0.5 * (i[1:] + i[:-1])) * 0.02  # the current is a broken line
-        assert only(result)["error_J"] == pytest.approx(held - supplied, rel=1e-5)
+        assert only(result)["error_J"] == pytest.approx(held - supplied, rel=1e-5, abs=1e-9)
+
+
+def test_the_tolerance_bounds_what_is_added(coupled: CoupledSystems) -> None:
+    system = coupled.system("motor")
+    system.power = [TORQUE]
+    for tolerance in (1e-3, 1e-5):
+        arguments: dict[str, Any] = {"stop": 2.0, "output_interval": 0.1, "tolerance": tolerance}
+        account = only(simulate(system, algorithm="adaptive", **arguments))
+        assert 0.0 < abs(account["relative"]) < tolerance
 
 
 def test_scale_and_sign(integrator: Fmu) -> None:

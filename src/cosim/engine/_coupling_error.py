@@ -1,7 +1,7 @@
 """An estimate of what the exchange of continuous signals at communication points adds to the error of a run.
 
-The run is repeated with all intervals between communication points halved. If the error falls with the power p of
-these intervals, the order of the algorithm, then what both runs differ by is 1 - 2^-p of the error of the first
+The run is repeated with all intervals between communication points divided by d. If the error falls with the power p
+of these intervals, the order of the algorithm, then what both runs differ by is 1 - d^-p of the error of the first
 (L. F. Richardson 1911). Where nothing continuous is exchanged, there is no such error and no second run.
 """
 
@@ -25,6 +25,9 @@ EXACT = "none: sampled"
 """The note on a connection over which a discrete component acts, or is acted upon: at its instants, without error."""
 
 _NO_RUN = "not estimated"
+_DIVISION = 2
+_ADAPTIVE_DIVISION = 4
+"""The adaptive algorithm follows its tolerance in leaps: it takes more for an error that is surely smaller."""
 
 Rows = NDArray[np.float64]
 
@@ -72,16 +75,20 @@ class Companion:
         if all(self.notes):
             return None
         if job.step is not None:
-            return replace(job, method=replace(job.method, step=0.5 * job.step))
-        return replace(job, method=replace(job.method, parts=2 * job.method.parts))
+            return replace(job, method=replace(job.method, step=job.step / self._division))
+        return replace(job, method=replace(job.method, parts=self._division * job.method.parts))
+
+    @property
+    def _division(self) -> int:
+        return _ADAPTIVE_DIVISION if self._job.method.algorithm == "adaptive" else _DIVISION
 
     def compare(self, layout: Layout, coarse: Record, fine: Record, ending: Ending) -> Estimate:
         """Return how far the run was off, from it and the second one."""
         order = self._job.method.accuracy
         if ending.message is not None:
-            note = f"{_NO_RUN}: with halved intervals, {ending.message}"
+            note = f"{_NO_RUN}: with shorter intervals, {ending.message}"
             return Estimate(order, {}, note, ending.interrupted)
-        factor = 2.0**order / (2.0**order - 1.0)
+        factor = 1.0 / (1.0 - float(self._division) ** -order)
         columns: dict[str, Deviation] = {}
         for name, slot in layout.columns.items():
             variable = layout.variables[name]
@@ -96,7 +103,7 @@ class Companion:
     def account(self, layout: Layout, estimate: Estimate) -> list[dict[str, object]]:
         """Return what is known of each connection, ready for JSON: see ``Result.statistics``."""
         job = self._job
-        delays = delays_of(job.system, self._roles, job.output_interval, job.step, job.method.parts)
+        delays = delays_of(job.system, self._roles, job.output_interval, job.method)
         return [
             _entry(connection, delay, note, layout, estimate)
             for connection, delay, note in zip(job.system.connections, delays, self.notes, strict=True)
@@ -142,7 +149,7 @@ def _worst(component: str, layout: Layout, estimate: Estimate) -> dict[str, obje
 
 
 def _notes(job: Job, roles: Mapping[str, Role]) -> list[str]:
-    """Return, for each connection, why its error is none or cannot be told by halving intervals, or nothing."""
+    """Return, for each connection, why its error is none or cannot be told by shorter intervals, or nothing."""
     system = job.system
     if job.step is not None:
         why = _what_keeps_steps(system, roles)
@@ -162,16 +169,16 @@ def _notes(job: Job, roles: Mapping[str, Role]) -> list[str]:
 
 
 def _keeps(name: str, step: float) -> str:
-    return f"{_NO_RUN}: {name} takes steps of {step:g} s only, which cannot be halved"
+    return f"{_NO_RUN}: {name} takes steps of {step:g} s only, and cannot take shorter ones"
 
 
 def _what_keeps_steps(system: System, roles: Mapping[str, Role]) -> str:
-    """Return why the macro step of the Jacobi algorithm cannot be halved, or nothing."""
+    """Return why the macro step of the Jacobi algorithm cannot be shorter, or nothing."""
     for component in system.components:
         if component.fmu.fixed_step is not None:
             return _keeps(component.name, component.fmu.fixed_step)
         if roles[component.name] is Role.SAMPLED and not has_period(component.fmu):
-            return f"{_NO_RUN}: {component.name} samples at each of its steps, and would sample twice as often"
+            return f"{_NO_RUN}: {component.name} samples at each of its steps, and would sample more often"
     return ""
 
 

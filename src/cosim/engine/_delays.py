@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
+from cosim.engine._method import Method, links_of
 from cosim.engine._order import continuous_order, discrete_order
 from cosim.engine._role import Role, fixed_step_of, has_period, period_of
 from cosim.engine._system import SAME_INSTANT, Component, Connection, System
@@ -17,22 +18,27 @@ from cosim.errors import FmuError
 
 
 def delays_of(
-    system: System, roles: Mapping[str, Role], output_interval: float, step: float | None, parts: int = 1
+    system: System, roles: Mapping[str, Role], output_interval: float, method: Method
 ) -> list[float | None]:
     """Return the longest delay [s] on each connection, None where it depends on events that nobody knows in advance.
 
-    ``roles`` are those that the model descriptions imply, ``step`` [s] is that of the Jacobi algorithm, None for the
-    default one. There a source that is stepped before its target has a negative delay: what it puts out at the end of
-    a step acts from the beginning on.
+    ``roles`` are those that the model descriptions imply. Where signals are held over a step, a source that is stepped
+    before its target has a negative delay: what it puts out at the end of a step acts from the beginning on. A signal
+    that is continued into the step has none.
     """
-    if step is not None:
-        late = {name: 0.0 if role is Role.CONTINUOUS else step for name, role in roles.items()}
+    if method.is_fixed:
+        late = {name: 0.0 if role is Role.CONTINUOUS else method.step for name, role in roles.items()}
         return [late[connection.source[0]] for connection in system.connections]
     periods = {c.name: _period(c, roles[c.name], output_interval) for c in system.components}
     known = [period for period in periods.values() if period is not None and period > 0.0]
-    longest = min([output_interval, *known]) / parts
+    longest = min([output_interval, *known])
+    longest /= method.divisions(longest)
     place = _places(system.components, system.connections, roles)
-    return [_delay(connection, roles, periods, place, longest) for connection in system.connections]
+    links = {c.target for c in links_of(system, roles, output_interval)} if method.is_coupled else set()
+    return [
+        0.0 if connection.target in links else _delay(connection, roles, periods, place, longest)
+        for connection in system.connections
+    ]
 
 
 def _period(component: Component, role: Role, output_interval: float) -> float | None:

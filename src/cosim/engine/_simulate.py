@@ -56,9 +56,9 @@ def simulate(
     ``output_interval`` and ``stop`` must be multiples: at each communication point all components put out, then all are
     stepped, without event mode, whatever their role; changes of channels act from the next communication point on.
 
-    If ``coupling_error``, a run in which continuous components exchange signals is followed by a second one with halved
-    intervals between communication points, which takes about twice its time and tells how far off it was:
-    docs/coupling.md. ``progress`` then starts again. Systems in which nothing continuous is exchanged run once.
+    If ``coupling_error``, a run in which continuous components exchange signals is followed by a second one with
+    shorter intervals between communication points, which takes two to four times its time and tells how far off it
+    was: docs/coupling.md. ``progress`` then starts again. Systems in which nothing continuous is exchanged run once.
 
     ``isolate`` "always" runs all of it in a process of its own, with the same numbers, so that an FMU that crashes,
     hangs or ends its process ends that one only; "auto" does so unless this project has built all FMUs here; "never"
