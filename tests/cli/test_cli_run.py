@@ -52,7 +52,8 @@ def test_a_run(cosim: Cosim, scenario: Path, built: list[str], simulated: list[d
     assert built == ["linkage"]
     asked = {"stop": 1.0, "output_interval": 0.001, "tolerance": 1e-6, "progress": None, "parameters": {}}
     isolation = {"isolate": "auto", "call_timeout": 60.0, "memory_limit": None}
-    assert simulated == [asked | isolation | {"coupling_error": True}]
+    coupling = {"algorithm": "auto", "step": None, "extrapolation": None, "coupling_error": True}
+    assert simulated == [asked | isolation | coupling]
 
 
 def test_options(cosim: Cosim, scenario: Path, simulated: list[dict[str, object]]) -> None:

@@ -9,7 +9,8 @@ import pytest
 from both_loops import simulate
 from coupled_systems import COUPLED, CoupledSystems
 
-from cosim.engine import Algorithm, Component, Connection, Result, System
+from cosim.engine import Algorithm, Channel, Component, Connection, Result, System
+from cosim.engine import simulate as simulate_once
 from cosim.errors import FmuError, FmuWarning, InputError
 
 Systems = CoupledSystems
@@ -93,8 +94,6 @@ def test_a_divided_interval_is_one_of_as_many_rows(coupled: Systems) -> None:
 
 def test_a_channel_begins_the_polynomials_anew(coupled: Systems) -> None:
     """The voltage doubles at 1 s: the tolerance is met there, too, and the answer doubles from then on."""
-    from cosim.engine import Channel
-
     system = coupled.system("motor")
     system.channels = [Channel(("winding", "u"), [0.0, 1.0, 1.0], [1.0, 1.0, 2.0])]
     result = simulate(system, stop=3.0, output_interval=0.05, tolerance=1e-6, coupling_error=False)
@@ -142,3 +141,34 @@ def test_arguments(coupled: Systems, arguments: dict[str, object], message: str)
     with pytest.raises(InputError) as caught:
         simulate(coupled.system("motor"), stop=0.1, output_interval=0.01, tolerance=1e-6, **arguments)  # type: ignore[arg-type]
     assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize("loop", ["native", "python"])
+@pytest.mark.parametrize("algorithm", ["extrapolated", "adaptive", "iterated"])
+def test_a_run_goes_on_from_a_checkpoint_to_the_same_bytes(
+    coupled: Systems, monkeypatch: pytest.MonkeyPatch, algorithm: Algorithm, loop: str
+) -> None:
+    monkeypatch.setenv("COSIM_ENGINE", loop)
+    system = coupled.system("oscillator")
+    arguments = {
+        "stop": 1.0,
+        "output_interval": 0.05,
+        "tolerance": 1e-5,
+        "algorithm": algorithm,
+        "coupling_error": False,
+    }
+    whole = simulate_once(system, checkpoint_at=[0.37], **arguments)  # type: ignore[arg-type]
+    resumed = simulate_once(system, resume=whole.checkpoints[0], **arguments)  # type: ignore[arg-type]
+    assert list(resumed.columns) == list(whole.columns)
+    for name, column in resumed.columns.items():
+        assert column.tobytes() == whole.columns[name].tobytes()
+    assert algorithm_of(resumed) == algorithm_of(whole)
+
+
+def test_in_a_process_of_its_own(coupled: Systems) -> None:
+    arguments = {"stop": 1.0, "output_interval": 0.05, "tolerance": 1e-5, "coupling_error": False}
+    here = simulate_once(coupled.system("motor"), **arguments)  # type: ignore[arg-type]
+    there = simulate_once(coupled.system("motor"), isolate="always", **arguments)  # type: ignore[arg-type]
+    assert algorithm_of(here) == algorithm_of(there)
+    for name, column in here.columns.items():
+        assert column.tobytes() == there.columns[name].tobytes()

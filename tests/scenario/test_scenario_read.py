@@ -125,7 +125,8 @@ def test_options_win_over_the_file(tmp_path: Path) -> None:
 
 
 KEYS = (
-    "keys are title, system, controller, stop, sample_time, output_interval, tolerance, set, map, linear, fault, power"
+    "keys are title, system, controller, stop, sample_time, output_interval, macro_step, tolerance, algorithm, "
+    "extrapolation, set, map, linear, fault, power"
 )
 UNITS = (
     "accepted are SI symbols with prefixes and bare exponents, joined by '.' and '/', such as "
@@ -297,3 +298,25 @@ def test_options_that_are_refused(tmp_path: Path) -> None:
         with pytest.raises(InputError) as error:
             read(path, [option])
         assert str(error.value) == message
+
+
+def test_the_algorithm_and_its_macro_step(tmp_path: Path) -> None:
+    keys = (
+        "# system: linkage\n# controller: none\n# algorithm: extrapolated\n# macro_step: 0.2 ms\n# extrapolation: 1\n"
+    )
+    scenario = read(write(tmp_path, f"{keys}time [s],duty [1]\n0,1\n2,1\n"))
+    assert (scenario.algorithm, scenario.macro_step, scenario.extrapolation) == ("extrapolated", 2e-4, 1)
+    scenario = read(write(tmp_path, f"{keys}time [s],duty [1]\n0,1\n2,1\n"), ["algorithm=adaptive", "extrapolation=2"])
+    assert (scenario.algorithm, scenario.extrapolation) == ("adaptive", 2)
+    for line, message in (
+        (
+            "# algorithm: adaptiv",
+            "'algorithm' is 'adaptiv', did you mean 'adaptive'?; write one of auto, ",
+        ),
+        ("# extrapolation: 3", "'extrapolation' is '3'; write the order of the polynomials, 0, 1 or 2"),
+        ("# macro_step: 1 kg", "'macro_step' is a time, '1 kg' is not"),
+    ):
+        with pytest.raises(InputError) as caught:
+            read(write(tmp_path, f"# system: linkage\n# controller: none\n{line}\ntime [s],duty [1]\n0,1\n2,1\n"))
+        assert message in str(caught.value)
+        assert ":3:" in str(caught.value) or "line 3" in str(caught.value)

@@ -17,9 +17,7 @@ from cosim.engine._system import SAME_INSTANT, Component, Connection, System
 from cosim.errors import FmuError
 
 
-def delays_of(
-    system: System, roles: Mapping[str, Role], output_interval: float, method: Method
-) -> list[float | None]:
+def delays_of(system: System, roles: Mapping[str, Role], output_interval: float, method: Method) -> list[float | None]:
     """Return the longest delay [s] on each connection, None where it depends on events that nobody knows in advance.
 
     ``roles`` are those that the model descriptions imply. Where signals are held over a step, a source that is stepped

@@ -83,7 +83,11 @@ def _explain(job: Job, record: Record, sites: Sequence[Site]) -> str:
     system, step, output_interval = job.system, job.step, job.output_interval
     trace = Trace(_WANTED)
     plan = _traced(job, trace, record, sites)
-    lines = [_heading(trace, output_interval, step), "", "Components, in the order in which an instant computes them:"]
+    lines = [
+        _heading(trace, output_interval, job.method),
+        "",
+        "Components, in the order in which an instant computes them:",
+    ]
     order = [*plan.continuous, *plan.discrete]
     width = max(len(participant.instance.name) for participant in order)
     for participant in order:
@@ -141,13 +145,20 @@ def _traced(job: Job, trace: Trace, record: Record, sites: Sequence[Site]) -> Pl
     return plan
 
 
-def _heading(trace: Trace, output_interval: float, step: float | None) -> str:
+def _heading(trace: Trace, output_interval: float, method: Method) -> str:
+    together = (
+        f" Components that act on each other continuously are stepped together by the algorithm {method.algorithm} in "
+        "a run; here they hold what they are given."
+        if method.is_coupled
+        else ""
+    )
     how = (
         "Gauss-Seidel: each component at its own instants, in the order of direct feedthrough"
-        if step is None
-        else f"Jacobi: all components in macro steps of {step:g} s, with what all have put out at their beginning"
+        if not method.is_fixed
+        else f"Jacobi: all components in macro steps of {method.step:g} s, with what all have put out at their "
+        "beginning"
     )
-    return f"{how}. Rows every {output_interval:g} s. Observed from 0 s to {trace.until:.9g} s."
+    return f"{how}. Rows every {output_interval:g} s. Observed from 0 s to {trace.until:.9g} s.{together}"
 
 
 def _component(seen: Component, role: Role, step: float | None, any_step: bool) -> str:

@@ -57,6 +57,7 @@ def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
         "solver_steps": _total(statistics, "steps"),
         "rejected_steps": _total(statistics, "rejected_steps"),
         "events": _events(statistics),
+        "algorithm": statistics.get("algorithm"),
         "coupling": statistics.get("coupling", []),
         "power": statistics.get("power", []),
         "components": {component.name: _component(component, statistics) for component in system.components},

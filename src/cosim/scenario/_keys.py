@@ -6,18 +6,19 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import get_args
 
-from cosim.engine import LEAST_TOLERANCE
+from cosim.engine import LEAST_TOLERANCE, Algorithm
 from cosim.errors import InputError
 from cosim.scenario._faults import EXAMPLE, parse_fault
 from cosim.scenario._model import FaultLine, Link, Power, Setting, suggestion
 from cosim.units import Unit, convert, parse, quantity
 
-_TIMES = ("stop", "sample_time", "output_interval")
-_SINGLE = ("title", "system", "controller", *_TIMES, "tolerance")
+_TIMES = ("stop", "sample_time", "output_interval", "macro_step")
+_SINGLE = ("title", "system", "controller", *_TIMES, "tolerance", "algorithm", "extrapolation")
 KEYS = (*_SINGLE, "set", "map", "linear", "fault", "power")
 _NUMERIC = (*_TIMES, "tolerance", "set", "fault")
-OVERRIDES = (*_TIMES, "tolerance", "controller", "system")
+OVERRIDES = (*_TIMES, "tolerance", "controller", "system", "algorithm", "extrapolation")
 
 _SECOND = parse("s")
 _END_OF_ARROW = re.compile(r"\s*->\s*")
@@ -105,6 +106,10 @@ def _take(keys: Keys, key: str, value: str, place: _Place) -> None:
         keys.numbers[key] = _time(key, value, place)
     elif key == "tolerance":
         keys.numbers[key] = _tolerance(value, place)
+    elif key in _CHOICES:
+        if value not in _CHOICES[key]:
+            raise place.fail(f"'{key}' is '{value}'{suggestion(value, _CHOICES[key])}; {_EXPECTED[key]}")
+        keys.texts[key] = value
     elif key == "set":
         name, given = _assignment(value, place)
         if (first := next((s.line for s in keys.settings if s.name == name), None)) is not None:
@@ -122,7 +127,12 @@ def _take(keys: Keys, key: str, value: str, place: _Place) -> None:
         keys.texts[key] = value
 
 
+_CHOICES = {"algorithm": get_args(Algorithm), "extrapolation": ("0", "1", "2")}
+
 _EXPECTED = {
+    "algorithm": f"write one of {', '.join(get_args(Algorithm))}",
+    "extrapolation": "write the order of the polynomials, 0, 1 or 2",
+    "macro_step": "write a time such as 0.1 ms",
     "system": "write a built-in plant such as linkage, or the path of an .fmu, .ssp or .ssd",
     "controller": "write voltage_profile, another built-in controller, the path of an .fmu, or none",
     "stop": "write a time such as 25 s",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 
-from cosim.engine import FaultKind
+from cosim.engine import Algorithm, FaultKind
 from cosim.units import Unit
 
 
@@ -96,6 +96,9 @@ class Scenario:
     sample_time: float
     output_interval: float
     tolerance: float
+    algorithm: Algorithm = "auto"
+    macro_step: float | None = None
+    extrapolation: int | None = None
     settings: tuple[Setting, ...] = ()
     links: tuple[Link, ...] = ()
     powers: tuple[Power, ...] = ()

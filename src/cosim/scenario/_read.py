@@ -6,7 +6,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
+from cosim.engine import Algorithm
 from cosim.errors import InputError
 from cosim.scenario._faults import parse_fault
 from cosim.scenario._keys import Keys, missing, override, parse_keys
@@ -55,6 +57,9 @@ def read(
         system=keys.texts["system"],
         controller=None if controller.lower() == "none" else controller,
         stop=_stop(table, keys, times),
+        algorithm=cast(Algorithm, keys.texts.get("algorithm", "auto")),
+        macro_step=keys.numbers.get("macro_step"),
+        extrapolation=int(keys.texts["extrapolation"]) if "extrapolation" in keys.texts else None,
         settings=tuple(keys.settings),
         links=tuple(keys.links),
         powers=tuple(keys.powers),

@@ -25,6 +25,9 @@ def companion(scenario: Scenario, system: System, connectors: Mapping[tuple[str,
         "stop": f"{scenario.stop!r} s",
         "output_interval": f"{scenario.output_interval!r} s",
         "tolerance": repr(scenario.tolerance),
+        "algorithm": scenario.algorithm if scenario.algorithm != "auto" else "",
+        "macro_step": f"{scenario.macro_step!r} s" if scenario.macro_step is not None else "",
+        "extrapolation": "" if scenario.extrapolation is None else str(scenario.extrapolation),
         "linear": ", ".join(connectors[channel.target] for channel in system.channels if channel.linear),
     }
     lines = [f"# {key}: {value}\n" for key, value in keys.items() if value]
