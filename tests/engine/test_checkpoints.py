@@ -330,10 +330,10 @@ def test_what_differs_is_told(saving: Get, fmu: Get) -> None:
 def test_times_of_checkpoints(saving: Get) -> None:
     system = feedback(saving)
     for time in (-1.0, 0.2, math.nan):
-        assert refused(system, checkpoint_at=[time]) == f"checkpoint_at has {time:g} s; the run goes from 0 to 0.1 s"
+        assert refused(system, checkpoint_at=[time]) == f"a checkpoint at {time:g} s: the run goes from 0 to 0.1 s only"
     saved = simulate(system, checkpoint_at=[0.05], **RUN).checkpoints[0]
     assert refused(system, checkpoint_at=[0.05], resume=saved) == (
-        "checkpoint_at has 0.05 s; the run is resumed at 0.05 s, so give a later time"
+        "a checkpoint at 0.05 s: the run goes on from 0.05 s; give a later time"
     )
 
 

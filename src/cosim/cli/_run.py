@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from cosim.cli._builtin import locate
+from cosim.cli._checkpoints import Arguments, Checkpoints
 from cosim.cli._coupling import show_coupling, show_power
 from cosim.cli._isolation import Isolation
 from cosim.cli._screen import INTERRUPTED, Screen
@@ -89,6 +90,7 @@ def run_files(
     *,
     plots: bool,
     coupling_error: bool = True,
+    saving: Checkpoints = Checkpoints(),  # noqa: B008 - it cannot be changed
 ) -> int:
     """Run scenarios and write their results into ``out``; return the worst exit code.
 
@@ -99,7 +101,8 @@ def run_files(
     for file in files:
         outcome = Outcome(str(file))
         outcomes.append(outcome)
-        _run(outcome, file, out / file.stem, options, screen, isolation, plots=plots, coupling_error=coupling_error)
+        folder = out / file.stem
+        _run(outcome, file, folder, options, screen, isolation, saving, plots=plots, coupling_error=coupling_error)
         if outcome.message is not None:
             screen.error(outcome.message)
         if outcome.exit_code == INTERRUPTED:
@@ -131,6 +134,7 @@ def _run(
     options: Options,
     screen: Screen,
     isolation: Isolation,
+    saving: Checkpoints,
     *,
     plots: bool,
     coupling_error: bool,
@@ -138,17 +142,28 @@ def _run(
     try:
         scenario = options.read(file)
         system = _assemble(scenario, outcome, screen)
+        checkpoints = saving.arguments(folder)
         clear(folder)
-        result = _simulate(scenario, system, outcome, screen, isolation, coupling_error)
+        result = _simulate(scenario, system, outcome, screen, isolation, coupling_error, checkpoints)
         if result is None:
             return
         outcome.folder = str(folder)
-        asked = Run(scenario.stop, scenario.output_interval, scenario.tolerance, scenario.title, file.name)
+        asked = Run(
+            scenario.stop,
+            scenario.output_interval,
+            scenario.tolerance,
+            scenario.title,
+            file.name,
+            saving.resume.name if saving.resume else None,
+            saving.files(result),
+        )
         outcome.summary = write(result, system, asked, folder, plots=plots)
         if outcome.message is not None and result.complete:
             outcome.message += f"; its results are in {folder}"
         elif outcome.message is not None:
             outcome.message += f"; what was computed before is in {folder}, marked incomplete"
+            if asked.checkpoints:
+                outcome.message += f"; go on with --resume {folder / asked.checkpoints[-1]}"
         else:
             screen.say(_account(file, outcome.summary, folder))
             show_coupling(outcome.summary, screen)
@@ -175,7 +190,13 @@ def _assemble(scenario: Scenario, outcome: Outcome, screen: Screen) -> System:
 
 
 def _simulate(
-    scenario: Scenario, system: System, outcome: Outcome, screen: Screen, isolation: Isolation, coupling_error: bool
+    scenario: Scenario,
+    system: System,
+    outcome: Outcome,
+    screen: Screen,
+    isolation: Isolation,
+    coupling_error: bool,
+    checkpoints: Arguments,
 ) -> Result | None:
     """Simulate; a run that ends early leaves its message in ``outcome`` and gives what it had, None if nothing."""
     try:
@@ -197,6 +218,7 @@ def _simulate(
                 call_timeout=isolation.call_timeout,
                 memory_limit=isolation.memory_limit,
                 coupling_error=coupling_error,
+                **checkpoints,
             )
     except (SimulationError, KeyboardInterrupt) as error:
         interrupted = isinstance(error, KeyboardInterrupt)
@@ -234,7 +256,9 @@ def _naming(file: Path) -> Iterator[None]:
 
 def _account(file: Path, summary: dict[str, object], folder: Path) -> str:
     """Tell a finished run in one line."""
-    parts = [f"{file.stem}: {summary['reached']:g} s"]
+    resumed = summary["resumed_from"]
+    since = f", from {resumed['time_s']:.9g} s on," if isinstance(resumed, dict) else ""
+    parts = [f"{file.stem}: {summary['reached']:g} s{since}"]
     if isinstance(wall := summary["wall_s"], float) and isinstance(factor := summary["real_time_factor"], float):
         parts[0] += f" in {wall:.3g} s, {factor:.3g} times real time"
     for key, unit in (("exchanges", "exchanges"), ("solver_steps", "solver steps"), ("events", "events")):

@@ -40,6 +40,19 @@ def run(
             "Repeatable.",
         ),
     ] = None,
+    checkpoints: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--checkpoint",
+            metavar="TIME",
+            help="Save the whole state at this time, such as '2 s', into checkpoint_2s.cosim beside the results. "
+            "Repeatable.",
+        ),
+    ] = None,
+    resume: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Go on from such a file; the results are those of an uninterrupted run."),
+    ] = None,
     plots: Plots = True,
     coupling_error: Annotated[
         bool,
@@ -78,12 +91,19 @@ def run(
 
         isolated = isolation(isolate, call_timeout, memory_limit)
         prepare(files, isolated, settings or [])
+        from cosim.cli._checkpoints import Checkpoints
         from cosim.cli._run import Options, explain_files, run_files
+        from cosim.errors import InputError
 
         options = Options.of(settings, parameters, faults)
+        saving = Checkpoints.of(checkpoints, resume, len(files))
+        if timing and saving != Checkpoints():
+            raise InputError("--explain-timing does not run anything; leave out --checkpoint and --resume")
         if timing:
             raise typer.Exit(explain_files(files, options, screen, isolated))
-        raise typer.Exit(run_files(files, out, options, screen, isolated, plots=plots, coupling_error=coupling_error))
+        raise typer.Exit(
+            run_files(files, out, options, screen, isolated, plots=plots, coupling_error=coupling_error, saving=saving)
+        )
 
 
 def export_ssp(

@@ -51,7 +51,7 @@ class Checkpoint:
 
         return read(Path(path))
 
-
-def file_name(time: float) -> str:
-    """Return the name of the file for a checkpoint that was asked for at ``time`` [s]: "checkpoint_2.5s.cosim"."""
-    return f"checkpoint_{time:.9g}s.cosim"
+    @staticmethod
+    def file_name(at: float) -> str:
+        """Return the name of the file that ``simulate`` writes for the time ``at`` [s]: "checkpoint_2.5s.cosim"."""
+        return f"checkpoint_{at:.9g}s.cosim"

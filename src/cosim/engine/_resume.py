@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cosim.engine._checkpoint import Checkpoint, file_name
+from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._fmu_state import FmuState, why_not_saved, why_not_written
 from cosim.engine._instance import CallError
 from cosim.engine._loop import exchange
@@ -45,9 +45,9 @@ def check_times(at: Sequence[float], stop: float, begin: float | None) -> tuple[
     """Return the times [s] of checkpoints in rising order; raises InputError for one outside of the run."""
     for time in at:
         if not 0.0 <= time <= stop + SAME_INSTANT:
-            raise InputError(f"checkpoint_at has {time:g} s; the run goes from 0 to {stop:g} s")
+            raise InputError(f"a checkpoint at {time:g} s: the run goes from 0 to {stop:g} s only")
         if begin is not None and time <= begin + SAME_INSTANT:
-            raise InputError(f"checkpoint_at has {time:g} s; the run is resumed at {begin:.9g} s, so give a later time")
+            raise InputError(f"a checkpoint at {time:g} s: the run goes on from {begin:.9g} s; give a later time")
     return tuple(sorted(set(at)))
 
 
@@ -133,7 +133,7 @@ def save(
     checkpoint = Checkpoint(setup, take(plan, record), tuple(states), record.rows[: record.count].copy())
     if saving.folder is not None:
         try:
-            checkpoint.save(saving.folder / file_name(at))
+            checkpoint.save(saving.folder / Checkpoint.file_name(at))
         except InputError as error:
             raise NotWrittenError(str(error)) from error
     return checkpoint
@@ -196,5 +196,7 @@ def _tune(participant: Participant, values: dict[str, Value], now: float) -> Non
 def written(saving: Saving, reached: float) -> list[Checkpoint]:
     """Return the checkpoints whose files a run has written that came to ``reached`` [s]."""
     assert saving.folder is not None or not saving.at
-    files = [saving.folder / file_name(at) for at in saving.at if saving.folder and at <= reached + SAME_INSTANT]
+    files = [
+        saving.folder / Checkpoint.file_name(at) for at in saving.at if saving.folder and at <= reached + SAME_INSTANT
+    ]
     return [Checkpoint.load(file) for file in files if file.is_file()]

@@ -21,25 +21,34 @@ _PACKAGES = ("fmpy", "numpy", "pyarrow", "casadi", "rumoca", "ziglang")
 
 @dataclass(frozen=True)
 class Run:
-    """What was asked for: times in s, ``scenario`` the file's name."""
+    """What was asked for: times in s, ``scenario`` the file's name.
+
+    ``resumed_from`` is the name of the checkpoint's file from which the run has gone on, ``checkpoints`` are the names
+    of those that it has written.
+    """
 
     stop: float
     output_interval: float
     tolerance: float
     title: str = ""
     scenario: str = ""
+    resumed_from: str | None = None
+    checkpoints: tuple[str, ...] = ()
 
 
 def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
     """Return the summary of a run, ready for JSON: numbers that JSON does not know are texts such as ``inf``.
 
     ``wall_s`` [s], ``second_wall_s`` [s] of the run for the coupling error, and ``real_time_factor`` (simulated per
-    elapsed time) are the only entries that differ between two runs of one scenario. ``coupling`` and ``power``
-    are as in ``Result``. ``solver_steps`` and ``rejected_steps`` are sums over the FMUs that publish them, else None.
+    elapsed time) are the only entries that differ between two runs of one scenario. ``resumed_from`` is None unless the
+    run has gone on from a checkpoint: these three are then of the rest, and all counts from 0 on. ``coupling`` and
+    ``power`` are as in ``Result``. ``solver_steps`` and ``rejected_steps`` are sums over the FMUs that publish them,
+    else None.
     """
     statistics = result.statistics
     wall = statistics.get("wall_s")
     reached = float(result.time[-1]) if len(result.time) else 0.0
+    begun = _number(statistics.get("resumed_at_s"))
     return {
         "title": run.title,
         "scenario": run.scenario,
@@ -50,8 +59,10 @@ def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
         "output_interval": run.output_interval,
         "tolerance": run.tolerance,
         "rows": len(result.time),
+        "resumed_from": None if begun is None else {"checkpoint": run.resumed_from, "time_s": begun},
+        "checkpoints": list(run.checkpoints),
         "wall_s": wall,
-        "real_time_factor": reached / wall if isinstance(wall, float) and wall > 0 else None,
+        "real_time_factor": (reached - (begun or 0.0)) / wall if isinstance(wall, float) and wall > 0 else None,
         "second_wall_s": statistics.get("second_wall_s"),
         "exchanges": statistics.get("exchanges"),
         "solver_steps": _total(statistics, "steps"),
@@ -67,6 +78,10 @@ def summarize(result: Result, system: System, run: Run) -> dict[str, object]:
         "enumerations": {name: list(names) for name, names in result.literals.items()},
         "versions": _versions(),
     }
+
+
+def _number(value: object) -> float | None:
+    return value if isinstance(value, float) else None
 
 
 def faults(result: Result, system: System) -> list[dict[str, object]]:
