@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
 from both_loops import simulate
-from coupled_systems import COUPLED, CoupledSystems
+from coupled_systems import COUPLED, CoupledSystems, linear
 
-from cosim.engine import Algorithm, Channel, Component, Connection, Result, System
+from cosim.engine import Algorithm, Channel, Component, Connection, Fmu, Result, System
 from cosim.engine import simulate as simulate_once
 from cosim.errors import FmuError, FmuWarning, InputError
 
 Systems = CoupledSystems
+Get = Callable[..., Fmu]
 
 
 @pytest.fixture(scope="module")
@@ -104,23 +105,53 @@ def test_a_channel_begins_the_polynomials_anew(coupled: Systems) -> None:
         np.testing.assert_allclose(result.columns[column], exact[of] + later * step[of], atol=2e-6)
 
 
-def test_what_cannot_go_back_is_told(coupled: Systems, fmu: object) -> None:
-    integrator = fmu("integrator")  # type: ignore[operator]
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_with_a_sampled_controller(coupled: Systems, fmu: Get, fmi: int) -> None:
+    """Between its samples the voltage is constant, and the motor a linear system."""
+    system = coupled.system("motor", 3)
+    system.components.append(Component("c", fmu("sampler", fmi), {"T_compute": 0.25}))
+    system.connections += [Connection(("rotor", "w"), ("c", "u")), Connection(("c", "y"), ("winding", "u"), -0.5, 2.0)]
+    result = simulate(system, stop=3.0, output_interval=0.05, tolerance=1e-6, coupling_error=False)
+    A = np.array([[-2.0, -2.0], [4.0, -0.4]])  # of Winding and Rotor
+    x = np.zeros(2)
+    exact = [x]
+    for row in range(60):
+        if row % 5 == 0:
+            u = 2.0 - 0.5 * x[1]
+        x = linear(A, np.array([2.0 * u, 0.0]), x, np.array([0.05]))[0]
+        exact.append(x)
+    np.testing.assert_allclose(result.columns["winding.i"], np.array(exact)[:, 0], atol=2e-6)
+    np.testing.assert_allclose(result.columns["rotor.w"], np.array(exact)[:, 1], atol=2e-6)
+    assert result.statistics["events" if fmi == 3 else "steps"]["c"] == 13  # type: ignore[index]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
+def test_a_model_exchange_fmu_beside_one_for_co_simulation(coupled: Systems, tolerance: float, fmi: int) -> None:
+    system = coupled.system("motor", fmi)
+    system.components[0].fmu = Fmu.read(system.components[0].fmu.path, "ModelExchange")
+    result = simulate_once(system, stop=4.0, output_interval=0.1, tolerance=tolerance, coupling_error=False)
+    assert algorithm_of(result)["name"] == "adaptive"
+    assert error_of("motor", result) <= tolerance
+
+
+def test_what_cannot_go_back_is_told(coupled: Systems, fmu: Get) -> None:
+    integrator = fmu("integrator")
     system = System(
         [Component("a", integrator), Component("b", integrator)],
         [Connection(("a", "x"), ("b", "u")), Connection(("b", "x"), ("a", "u"), factor=-1.0)],
     )
-    with pytest.warns(FmuWarning, match=r"a \(integrator\) and b \(integrator\) cannot go back to a state"):
+    with pytest.warns(FmuWarning, match=r"a \(integrator\) cannot save its state .*, b \(integrator\) cannot"):
         result = simulate(system, stop=0.1, output_interval=0.01, tolerance=1e-6)
     assert algorithm_of(result)["name"] == "extrapolated"
     with pytest.raises(
-        FmuError, match=r"the algorithm adaptive repeats steps, but a \(integrator\) and b .* extrapolated"
+        FmuError, match=r"the algorithm adaptive repeats steps, but a \(integrator\) cannot .* extrapolated"
     ):
         simulate(system, stop=0.1, output_interval=0.01, tolerance=1e-6, algorithm="adaptive")
 
 
-def test_systems_without_links_run_as_ever(fmu: object) -> None:
-    integrator = fmu("integrator")  # type: ignore[operator]
+def test_systems_without_links_run_as_ever(fmu: Get) -> None:
+    integrator = fmu("integrator")
     system = System([Component("a", integrator)])
     for algorithm in ("auto", "adaptive", "iterated"):
         result = simulate(system, stop=0.1, output_interval=0.01, tolerance=1e-6, algorithm=algorithm)  # type: ignore[arg-type]

@@ -10,6 +10,7 @@ from math import ceil
 from typing import Literal, get_args
 
 from cosim.engine._fmu import Fmu
+from cosim.engine._fmu_state import why_not_saved
 from cosim.engine._graph import Loop, Phase, declared, loops_among
 from cosim.engine._role import Role, fixed_step_of
 from cosim.engine._system import SAME_INSTANT, Component, Connection, System
@@ -124,13 +125,12 @@ def choose(
     components = {component.name: component for component in system.components}
     ends = {name for link in links for name in (link.source[0], link.target[0])}
     members = [component for component in system.components if component.name in ends]
-    lacking = [c for c in members if not c.fmu.capabilities["canGetAndSetFMUstate"]]
+    lacking = [component for component in members if why_not_saved(component.fmu)]
     if algorithm == "auto":
         algorithm = _automatic(links, lacking)
     elif algorithm in _GO_BACK and lacking:
         raise FmuError(
-            f"the algorithm {algorithm} repeats steps, but {_named(lacking)} cannot go back to a state "
-            "(canGetAndSetFMUState); choose the algorithm extrapolated",
+            f"the algorithm {algorithm} repeats steps, but {_told(lacking)}; choose extrapolated",
             file=lacking[0].fmu.path,
         )
     if algorithm in _ORDERS and not links:
@@ -151,8 +151,8 @@ def _automatic(links: list[Connection], lacking: list[Component]) -> str:
     if not lacking:
         return "adaptive"
     warnings.warn(
-        f"the steps in which components exchange are not adapted to the tolerance: {_named(lacking)} cannot go back to "
-        "a state (canGetAndSetFMUState); see the coupling error, and choose a shorter step if it is too large",
+        f"the steps in which components exchange are not adapted to the tolerance: {_told(lacking)}; see the coupling "
+        "error, and choose a shorter step if it is too large",
         FmuWarning,
         stacklevel=5,
     )
@@ -164,7 +164,7 @@ def _warn_of_loops(system: System, loops: Iterable[Loop], algorithm: str, lackin
     fmus = {component.name: component.fmu for component in system.components}
     remedy = "choose the algorithm adaptive or iterated"
     if lacking:
-        remedy = f"{_named(lacking)} cannot go back to a state (canGetAndSetFMUState), which that would take"
+        remedy = f"to solve it would take going back to a state, but {_told(lacking)}"
     for loop in loops:
         if all(fmus[name].dependencies.get(output) is not None for name, output in (*loop.torn, *loop.others)):
             warnings.warn(
@@ -176,8 +176,9 @@ def _warn_of_loops(system: System, loops: Iterable[Loop], algorithm: str, lackin
             )
 
 
-def _named(components: Iterable[Component]) -> str:
-    return " and ".join(f"{component.name} ({component.fmu.name})" for component in components)
+def _told(lacking: Iterable[Component]) -> str:
+    """Return why components cannot go back to a state."""
+    return ", ".join(f"{component.name} ({component.fmu.name}) {why_not_saved(component.fmu)}" for component in lacking)
 
 
 def _check(algorithm: str, step: float | None, extrapolation: int | None, stop: float, output_interval: float) -> None:
