@@ -10,7 +10,7 @@ import pytest
 from algebraic_loops import Blocks, wired
 from both_loops import simulate
 
-from cosim.engine import Algorithm, Fmu, PartialResultError, Result, System
+from cosim.engine import Algorithm, Fmu, PartialResultError, Result, System, explain_timing
 from cosim.errors import FmuWarning
 
 pytest.importorskip("rumoca")
@@ -25,8 +25,10 @@ def blocks(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Blocks]:
     made.close()
 
 
-def run(system: System, algorithm: Algorithm) -> Result:
-    return simulate(system, stop=1.0, output_interval=0.1, tolerance=1e-6, algorithm=algorithm, coupling_error=False)
+def run(system: System, algorithm: Algorithm, **more: float) -> Result:
+    return simulate(
+        system, stop=1.0, output_interval=0.1, tolerance=1e-6, algorithm=algorithm, coupling_error=False, **more
+    )
 
 
 def driven(block: Fmu, gain: float) -> System:
@@ -99,14 +101,22 @@ def test_a_solution_that_ceases_to_exist(blocks: Blocks, algorithm: Algorithm) -
 
 def test_algorithms_that_do_not_solve_it_say_so(blocks: Blocks) -> None:
     system = driven(blocks.plain(), -0.5)
-    for algorithm in ("gauss-seidel", "extrapolated"):
+    for algorithm in ("gauss-seidel", "extrapolated", "jacobi"):
         with pytest.warns(FmuWarning) as caught:
-            run(system, algorithm)
+            run(system, algorithm, **({"step": 0.1} if algorithm == "jacobi" else {}))
         assert str(caught[0].message) == (
             "the algebraic loop a.wave -> b.u -> b.affine -> a.u is not solved while the components are stepped: with "
             f"the algorithm {algorithm} what goes round it arrives a macro step late, and if its gain is above 1 it "
             "grows beyond bounds; choose the algorithm adaptive or iterated"
         )
+
+
+def test_the_explanation_of_the_timing_lists_them(blocks: Blocks) -> None:
+    block = blocks.plain()
+    text = explain_timing(driven(block, 0.5), stop=1.0, output_interval=0.1)
+    assert "\nAlgebraic loops while components are stepped:\n  a.wave -> b.u -> b.affine -> a.u\n" in text
+    open_ = wired({"a": (block, {}), "b": (block, {})}, "a.wave b.u")
+    assert "Algebraic loops" not in explain_timing(open_, stop=1.0, output_interval=0.1)
 
 
 def test_fmus_that_cannot_go_back_say_so(blocks: Blocks) -> None:

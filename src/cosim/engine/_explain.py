@@ -11,6 +11,7 @@ from cosim.engine._calls import Site
 from cosim.engine._execution import Ending, Job
 from cosim.engine._fault import described
 from cosim.engine._fault_signals import resolved_faults
+from cosim.engine._graph import Phase, loops
 from cosim.engine._initialize import initialize
 from cosim.engine._instance import CallError
 from cosim.engine._instances import instantiate
@@ -109,6 +110,9 @@ def _explain(job: Job, record: Record, sites: Sequence[Site]) -> str:
                 lines.append("    what arrives, and when, is up to its faults")
             else:
                 lines += _travels(trace.travels.get(_input(plan, target), []), text.startswith("channel"))
+    found = loops(system, trace.roles, Phase.TIME)
+    if found:
+        lines += ["", "Algebraic loops while components are stepped:", *(f"  {loop}" for loop in found)]
     if system.faults:
         lines += ["", "Faults, in the order in which they act:", *(f"  {text}" for text in _faults(job))]
     return "\n".join(lines) + "\n"
