@@ -84,26 +84,30 @@ def test_a_start_value_from_which_no_step_can_be_taken(blocks: Blocks) -> None:
     assert found.remarks == []
 
 
-@pytest.mark.parametrize("bare", [False, True])
-@pytest.mark.parametrize("seed", range(5))
-def test_three_components_that_all_act_on_each_other(blocks: Blocks, seed: int, bare: bool) -> None:
+@pytest.mark.parametrize("seed", range(40))
+def test_random_wiring_against_one_matrix(blocks: Blocks, seed: int) -> None:
+    """Any number of loops within and after each other, between FMUs of all kinds: x = k u + m v + b for each."""
     random = np.random.default_rng(seed)
-    k, m, b = random.normal(scale=3.0, size=(3, 3))
-    block = blocks.bare() if bare else blocks.plain()
+    kinds = [blocks.plain(3), blocks.plain(2), blocks.bare(3), blocks.bare(2)]
+    n = int(random.integers(2, 9))
+    k, m, b = random.normal(scale=2.0, size=(3, n))
+    matrix, right = np.eye(n), b + 0.5 * k  # u starts at 0.5, v at 0
+    connections = []
+    for i in range(n):
+        for name, gain, start in (("u", k[i], 0.5), ("v", m[i], 0.0)):
+            if random.random() < 0.8:
+                j = int(random.integers(n))
+                factor, offset = random.normal(size=2)
+                connections.append(f"c{j}.affine c{i}.{name} {factor} {offset}")
+                matrix[i, j] -= gain * factor
+                right[i] += gain * (offset - start)
     system = wired(
-        {name: (block, {"k": k[i], "m": m[i], "b": b[i]}) for i, name in enumerate("pqr")},
-        *("p.affine q.u", "q.affine r.u", "r.affine p.u", "p.affine r.v 2 1", "q.affine p.v", "r.affine q.v"),
+        {f"c{i}": (kinds[random.integers(4)], {"k": k[i], "m": m[i], "b": b[i]}) for i in range(n)}, *connections
     )
     found = initialized(system)
-    matrix = np.eye(3)
-    matrix[0, 2] -= k[0]
-    matrix[0, 1] -= m[0]
-    matrix[1, 0] -= k[1]
-    matrix[1, 2] -= m[1]
-    matrix[2, 1] -= k[2]
-    matrix[2, 0] -= 2.0 * m[2]
-    expected = np.linalg.solve(matrix, [b[0], b[1], b[2] + m[2]])
-    assert [found.values[f"{name}.affine"] for name in "pqr"] == pytest.approx(expected.tolist(), rel=1e-11)
+    expected = np.linalg.solve(matrix, right)
+    error = np.max(np.abs(expected - [found.values[f"c{i}.affine"] for i in range(n)])) / np.max(np.abs(expected))
+    assert error <= 1e-13 * np.linalg.cond(matrix)
 
 
 def test_a_chain_of_three_in_a_loop(blocks: Blocks) -> None:
@@ -212,6 +216,15 @@ def test_a_wrong_statement_on_dependencies_is_noticed(blocks: Blocks) -> None:
     )
     expected = (1.0 + 3.0 + 9.0) / (1.0 - 27.0)
     assert initialized(chain).values["c.affine"] == pytest.approx(expected, **EXACT)
+
+
+@pytest.mark.parametrize("gain", [0.3, 3.3])
+def test_single_precision_is_solved_as_far_as_it_goes(tmp_path: Path, gain: float) -> None:
+    """a = u + 1, b = a, and u = gain b."""
+    variables = tuple(replace(v, type="Float32") if v.name in ("u", "y") else v for v in INTEGRATOR.variables)
+    with Fmu.read(build(replace(INTEGRATOR, variables=variables), 3, tmp_path)) as single:
+        found = initialized(wired({"a": (single, {"offset": 1.0}), "b": (single, {})}, "a.y b.u", f"b.y a.u {gain}"))
+    assert found.values["a.y"] == pytest.approx(1.0 / (1.0 - gain), rel=1e-6)
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -23,6 +23,8 @@ from cosim.engine._variable import Variable
 
 _MOST_ROUNDS = 50
 _SHOWN = 12
+_DOUBLE, _SINGLE = 1e-9, 1e-6
+"""Relative differences that rounding, to double and to single precision, may make on a long way round."""
 _REMEDY = "change a gain or an offset in it, or break it: by a state, a sample or a delay in one of its components"
 
 
@@ -57,6 +59,10 @@ class Network:
     tolerance: float
     remarks: list[str] = field(default_factory=list)
     sizes: dict[int, float] = field(default_factory=dict)
+
+    def agreement(self, single: bool) -> float:
+        """Return the relative difference up to which an output and an input that it drives agree."""
+        return max(1e-2 * self.tolerance, _SINGLE if single else _DOUBLE)
 
     def settle(self) -> None:
         """Compute all connected outputs; raises CallError if a component fails, or LoopError."""
@@ -142,6 +148,10 @@ class Network:
         """Return what is known of an output."""
         return self.ports[output[0]].participant.instance.fmu.variables[output[1]]
 
+    def is_single(self, end: End) -> bool:
+        """Tell whether a variable is in single precision."""
+        return self.ports[end[0]].participant.instance.fmu.fmi_types[end[1]] == "Float32"
+
     def guess(self, loop: Loop, output: End) -> float:
         """Return the value with which the first input that an output drives would have its start value."""
         connection = next(c for c in loop.connections if c.source == output)
@@ -221,8 +231,13 @@ class _RealLoop:
         return best
 
     def _newton(self, nominal: Vector) -> Callable[[Vector], Solution]:
-        enough = 1e-3 * self.network.tolerance
+        enough = 0.1 * self.network.agreement(single=self._is_single())
         return lambda start: solve(self.evaluate, self.slope, start, Scale(nominal), enough)
+
+    def _is_single(self) -> bool:
+        """Tell whether a variable of the loop is in single precision."""
+        ends = (end for connection in self.loop.connections for end in (connection.source, connection.target))
+        return any(map(self.network.is_single, ends))
 
     def _is_declared(self) -> bool:
         ports = self.network.ports
