@@ -8,17 +8,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from calibration import plants
 from cosim.calibration import Data, Free, data_of, draw_fit, fit, linkage_equations, linkage_model, write_fit
 from cosim.calibration._problem import Problem
-from cosim.calibration._shooting import follow_part
+from cosim.calibration._shooting import Followed, follow_part, sensitivity_of, sums_of
+from cosim.calibration._uncertainty import Sensitivity
 from cosim.dae import Dae
 from cosim.errors import InputError
 from cosim.measurement import read
 from cosim.scenario import read_parameters
 
 pytestmark = pytest.mark.slow
+Array = NDArray[np.float64]
 TRUE = plants.TRUE
 ETA = {"gear.eta_wg": TRUE["gear.eta_wg"]}
 
@@ -85,20 +88,24 @@ def test_sensitivities_are_those_of_following_again_with_other_parameters(dae: D
     problem = Problem(linkage_model(names, ETA, dae), [Free(name) for name in names], [data])
     (part,) = problem.parts
     q = np.concatenate((problem.initial(part), problem.start))
-    options = {"tolerance": 1e-13}
-    exact = follow_part(problem, part, q[:3], q[3:])
-    exact = follow_part(problem, part, q[:3], q[3:], exact, **options)
+
+    def followed(at: Array, near: Followed | None) -> tuple[Followed, Sensitivity]:
+        found = follow_part(problem, part, at[:3], at[3:], near, tolerance=1e-13)
+        return found, sensitivity_of(problem, part, found, len(names))
+
+    # derivatives are as exact as the guess is near
+    base, exact = followed(q, followed(q, None)[0])
+    slopes = np.hstack((exact.by_state, exact.by_theta))
     h = 1e-6
     for k in range(len(q)):
-        sides = []
-        for sign in (1.0, -1.0):
-            at = q.copy()
-            at[k] += sign * h
-            side = follow_part(problem, part, at[:3], at[3:], exact, **options)
-            sides.append(side.residuals)
+        sides = [followed(q + sign * h * np.eye(len(q))[k], base)[1].residuals for sign in (1.0, -1.0)]
         differences = (sides[0] - sides[1]) / (2.0 * h)
-        column = exact.slopes[:, k]
-        assert np.abs(column - differences).max() <= 1e-6 * np.abs(column).max(), k
+        assert np.abs(slopes[:, k] - differences).max() <= 1e-6 * np.abs(slopes[:, k]).max(), k
+    # the sums that the descent takes are those of these residuals
+    sums = sums_of(problem, part, base, np.inf)
+    assert sums.squares == pytest.approx(exact.residuals @ exact.residuals, rel=1e-12)
+    assert sums.gradient == pytest.approx(slopes.T @ exact.residuals, rel=1e-9)
+    assert sums.hessian == pytest.approx(slopes.T @ slopes, rel=1e-9)
 
 
 def test_both_methods_find_the_same(dae: Dae, workbooks: list[Path]) -> None:

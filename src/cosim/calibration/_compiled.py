@@ -9,10 +9,12 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from cosim.calibration._equations import equations
 from cosim.calibration._grid import NODES, STAGES, slopes
@@ -55,6 +57,16 @@ class Track:
     def whole(self) -> bool:
         """Whether the motion was followed to its end."""
         return self.done == len(self.z)
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Sums over residuals r: loss, squares, r dr/dq and (dr/dq)' dr/dq, the last two weighted as the loss says."""
+
+    loss: float
+    squares: float
+    gradient: Array
+    hessian: Array
 
 
 class Library:
@@ -109,6 +121,23 @@ class Library:
         y, y_q = np.zeros(points), np.zeros((points, self._q))
         _call(self._library.measure, number, points, track.x[1:], track.z, u, p, track.x_q[1:], y, y_q)
         return np.column_stack((y, y_q))
+
+    def gather(self, sampling: csr_array, points: Array, measured: Array, turn: float) -> Sums:
+        """Return the sums over the residuals of some samples.
+
+        Args:
+            sampling: interpolates each sample from four points in a row.
+            points: a value at the points and its derivatives by q, shape (points, 1 + q).
+            measured: what the value is compared with, shape (samples,).
+            turn: from about here on, the loss of a residual is linear (pseudo-Huber); infinite if it never is.
+        """
+        samples = sampling.shape[0]
+        sums = np.zeros(2)
+        gradient, hessian = np.zeros(self._q), np.zeros((self._q, self._q))
+        first = np.asarray(sampling.indices[::4], dtype=np.int32)
+        given = first, sampling.data, points, measured[:samples]
+        _call(self._library.gather, samples, *given, turn, sums[:1], sums[1:], gradient, hessian)
+        return Sums(float(sums[0]), float(sums[1]), gradient, hessian)
 
 
 def library(dae: Callable[[], Dae], plant: Plant, names: Sequence[str], folder: Path) -> Library:
@@ -183,7 +212,7 @@ def _braces(table: Array) -> str:
     return "{" + ", ".join(_braces(row) for row in table) + "}"
 
 
-def _call(function: Callable[..., int], *arguments: Array | float) -> int:
+def _call(function: Callable[..., int], *arguments: NDArray[Any] | float) -> int:
     """Call a C function: arrays become pointers to their numbers, row by row, floats doubles."""
     # an array that had to be copied lives as long as this list
     plain = [np.ascontiguousarray(each) if isinstance(each, np.ndarray) else each for each in arguments]

@@ -87,9 +87,10 @@ def _along(f: SX, r: SX, y: SX, z: SX, q: SX) -> list[SX]:
             [r[rows], ca.densify(slopes[rows, columns]), slopes[rows, :], direct[rows, :]], [z], [swept]
         )
         slope += ca.mtimes(by_z, by_q)  # through the blocks before: by_q is zero for the others
-        swept[columns] += solve_linear(matrix, -right)
-        for k in range(q.numel()):
-            by_q[columns, k] = solve_linear(matrix, -slope[:, k])
+        # a division costs several products
+        inverse = ca.horzcat(*(solve_linear(matrix, unit) for unit in ca.horzsplit(SX.eye(len(rows)))))
+        swept[columns] -= ca.mtimes(inverse, right)
+        by_q[columns, :] = -ca.mtimes(inverse, slope)
     found = [swept]
     for value in (f, y):
         there, by_z, slope = ca.substitute([value, ca.jacobian(value, z), ca.jacobian(value, q)], [z], [swept])

@@ -96,7 +96,8 @@ def _uncertainty(problem: Problem, solution: Solution, followed: Sequence[Follow
         strengths[entry] = 1.0 / deviation
     names = [problem.label(entry) for entry in range(len(solution.theta))]
     parts = [
-        _shooting.sensitivity_of(part, each, len(names)) for part, each in zip(problem.fitted, followed, strict=True)
+        _shooting.sensitivity_of(problem, part, each, len(names))
+        for part, each in zip(problem.fitted, followed, strict=True)
     ]
     return uncertainty(names, parts, strengths, solution.theta)
 

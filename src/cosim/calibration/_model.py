@@ -81,7 +81,7 @@ class Model:
         self._free = np.array(list(self.values.values()))
         self._fitted = [list(self.values).index(name) for name in names]
         self._dae = dae
-        self._library: Library = library(dae, plant, names, folder)
+        self.library: Library = library(dae, plant, names, folder)
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -136,11 +136,11 @@ class Model:
             angle = x0[[self.state("phi_crank")]]
             z = np.array([self.plant.at_rest]) if not x0[self.state("w_crank")] else self.unknowns(angle)
             guess = np.repeat(x0[None, :], STAGES, axis=0), np.repeat(z, STAGES, axis=0)
-        return self._library.follow(h, u, self._parameters(q), x0, guess, **options)
+        return self.library.follow(h, u, self._parameters(q), x0, guess, **options)
 
     def output(self, number: int, track: Track, u: Array, q: Array) -> Array:
         """Return one of the OUTPUTS at the points, then its derivatives by q; shape (points, 1 + q)."""
-        return self._library.output(number, track, u, self._parameters(q))
+        return self.library.output(number, track, u, self._parameters(q))
 
     def first_change(self, track: Track, u: Array, q: Array) -> tuple[int, str] | None:
         """Return the first point at which a relation is not as it is held, and its text; None if there is none."""
@@ -148,7 +148,7 @@ class Model:
         if not held:
             return None
         there = slice(0, track.done)
-        values = self._library.relations(track.x[1:][there], track.z[there], u[there], self._parameters(q))
+        values = self.library.relations(track.x[1:][there], track.z[there], u[there], self._parameters(q))
         strict = np.array([each.strict for each in held])
         changed = np.where(strict, values > 0.0, values >= 0.0) != np.array([each.value for each in held])
         if not changed.any():
@@ -180,7 +180,7 @@ class Model:
     def _parameters(self, q: Array) -> Array:
         free = self._free.copy()
         free[self._fitted] = q[self.sizes[0] :]
-        found = self._library.parameters(free)
+        found = self.library.parameters(free)
         if not np.isfinite(found).all():
             raise SimulationError("the parameters give no finite equations; start from others, or give bounds")
         return found

@@ -61,6 +61,11 @@ class Part:
         """Lengths [s] of the intervals."""
         return np.diff(self.borders)
 
+    @property
+    def samples(self) -> int:
+        """How many residuals there are."""
+        return int(self.sampling.shape[0]) * len(self.data.measured)
+
     def first(self, length: float) -> Part:
         """Return the first so many seconds of it; all, if there are not as many."""
         count = int(np.searchsorted(self.borders, self.borders[0] + length))

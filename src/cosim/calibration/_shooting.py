@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.calibration._compiled import Track
+from cosim.calibration._compiled import Sums, Track
 from cosim.calibration._descent import descend
 from cosim.calibration._problem import HUBER, LOOSE, REST, Part, Problem, Solution
 from cosim.calibration._progress import Progress
@@ -29,15 +29,10 @@ _REMEDY = "Start from values with which the motor runs as it was measured to, or
 
 @dataclass(frozen=True)
 class Followed:
-    """A measurement's motion for q = [x0; fitted parameters], none of them scaled.
-
-    ``residuals`` are over their noise, and ``slopes`` their derivatives by [x0; own theta], scaled.
-    """
+    """A measurement's motion for q = [x0; fitted parameters], none of them scaled."""
 
     q: Array
     track: Track
-    residuals: Array
-    slopes: Array
 
 
 @dataclass(frozen=True)
@@ -63,7 +58,7 @@ def follow_part(
     ``near`` is the same, or the beginning of it, with values nearby; ``options`` are those of `Model.follow`. Raises
     LostError if it cannot be followed.
     """
-    model, data = problem.model, part.data
+    model = problem.model
     scale = np.concatenate((model.scales[0], model.scale))
     q = np.concatenate((x0, theta[part.entries])) * scale
     guess = None
@@ -72,19 +67,57 @@ def follow_part(
     track = model.follow(part.h, part.u, q, guess, **options)
     if not track.whole or not np.isfinite(track.x_q).all():
         raise LostError(_where_lost(problem, part, q, track))
+    return Followed(q, track)
+
+
+def sums_of(problem: Problem, part: Part, followed: Followed, turn: float) -> Sums:
+    """Return the sums over a measurement's residuals (over their noise), q = [x0; own theta] scaled."""
+    loss = squares = 0.0
+    gradient, hessian = np.zeros(len(followed.q)), np.zeros((len(followed.q), len(followed.q)))
+    for points, measured in _compared(problem, part, followed):
+        found = problem.model.library.gather(part.sampling, points, measured, turn)
+        loss, squares = loss + found.loss, squares + found.squares
+        gradient += found.gradient
+        hessian += found.hessian
+    if (rest := _rest(problem, part, followed)) is not None:
+        at = problem.model.state("w_crank")
+        loss, squares = loss + 0.5 * rest[0] ** 2, squares + rest[0] ** 2
+        gradient[at] += rest[0] * rest[1]
+        hessian[at, at] += rest[1] ** 2
+    return Sums(loss, squares, gradient, hessian)
+
+
+def sensitivity_of(problem: Problem, part: Part, followed: Followed, total: int) -> Sensitivity:
+    """Return how a measurement's residuals change with its initial state, where that is free, and with theta."""
     rows = []
-    for output, (values, noise) in enumerate(data.measured):
-        sampled = part.sampling @ model.output(output, track, part.u, q)
-        sampled[:, 0] -= values[: len(sampled)]
-        sampled[:, 1:] *= scale
-        rows.append(sampled / noise)
-    if data.from_rest and data.known is None:
-        speed = model.state("w_crank")
-        rest = np.zeros((1, 1 + len(q)))
-        rest[0, [0, 1 + speed]] = np.array([q[speed], scale[speed]]) / REST
-        rows.append(rest)
+    for points, measured in _compared(problem, part, followed):
+        rows.append(part.sampling @ points)
+        rows[-1][:, 0] -= measured
+    if (rest := _rest(problem, part, followed)) is not None:
+        rows.append(np.zeros((1, 1 + len(followed.q))))
+        rows[-1][0, [0, 1 + problem.model.state("w_crank")]] = rest
     everything = np.vstack(rows)
-    return Followed(q, track, everything[:, 0], everything[:, 1:])
+    states = followed.track.x.shape[1]
+    by_theta = np.zeros((len(everything), total))
+    by_theta[:, part.entries] = everything[:, 1 + states :]
+    by_state = everything[:, 1 : 1 + (0 if part.data.known is not None else states)]
+    return Sensitivity(everything[:, 0], by_state, by_theta)
+
+
+def _compared(problem: Problem, part: Part, followed: Followed) -> Iterator[tuple[Array, Array]]:
+    """For each output that was measured: it at the points with its derivatives by q scaled, and what was measured."""
+    model = problem.model
+    scale = np.concatenate(([1.0], model.scales[0], model.scale))
+    for output, (values, noise) in enumerate(part.data.measured):
+        yield model.output(output, followed.track, part.u, followed.q) * (scale / noise), values / noise
+
+
+def _rest(problem: Problem, part: Part, followed: Followed) -> tuple[float, float] | None:
+    """What the speed of a motor counts that begins at rest, and its derivative by that speed scaled."""
+    if not part.data.from_rest or part.data.known is not None:
+        return None
+    speed = problem.model.state("w_crank")
+    return float(followed.q[speed]) / REST, float(problem.model.scales[0][speed]) / REST
 
 
 def _where_lost(problem: Problem, part: Part, q: Array, track: Track) -> str:
@@ -92,15 +125,6 @@ def _where_lost(problem: Problem, part: Part, q: Array, track: Track) -> str:
     change = problem.model.first_change(track, part.u, q)
     reason = "" if change is None else f"; at {part.points[change[0]]:.3f} s the relation '{change[1]}' changes"
     return f"{part.data.name}: the motion cannot be followed beyond {at:.3f} s{reason}"
-
-
-def sensitivity_of(part: Part, followed: Followed, total: int) -> Sensitivity:
-    """Return how a measurement's residuals change with its initial state, where that is free, and with theta."""
-    states = followed.track.x.shape[1]
-    by_theta = np.zeros((len(followed.residuals), total))
-    by_theta[:, part.entries] = followed.slopes[:, states:]
-    by_state = followed.slopes[:, : 0 if part.data.known is not None else states]
-    return Sensitivity(followed.residuals, by_state, by_theta)
 
 
 def solve(
@@ -124,9 +148,10 @@ def solve(
             if near is None:
                 _check_running(problem, spot)
 
-            def tell(step: int, at: Spot, before: int = steps) -> None:
+            samples = sum(part.samples for part in search.parts)
+
+            def tell(step: int, at: Spot, before: int = steps, count: int = samples) -> None:
                 if progress is not None:
-                    count = sum(len(each.residuals) for each in at.parts)
                     progress(before + step, float(np.sqrt(at.squares / count)))
 
             tell(0, spot)
@@ -135,9 +160,7 @@ def solve(
             steps += found.steps
             theta, states = search.unpacked(found.unknowns)
             near = found.place
-        # once more at the same place: derivatives are as exact as the guess is near
-        at_end = search.place(found.unknowns, near)
-    return Solution(theta, tuple(states), found.limit, steps), list(at_end.parts)
+    return Solution(theta, tuple(states), found.limit, steps), list(found.place.parts)
 
 
 def meet(problem: Problem, part: Part, theta: Array, most_steps: int) -> Followed:
@@ -177,19 +200,19 @@ class _Search:
     ) -> None:
         """Let theta be an unknown, too, unless it is given; let workers follow the measurements."""
         self._map = map if workers is None else workers.map
-        self._problem, self._parts, self._robust, self._given = problem, parts, robust, given
+        self._problem, self.parts, self._robust, self._given = problem, parts, robust, given
         self._count = len(problem.start) if given is None else 0
         self._scale = problem.model.scales[0]
 
     def packed(self, theta: Array, states: Sequence[Array]) -> Array:
-        free = [x0 for part, x0 in zip(self._parts, states, strict=True) if part.data.known is None]
+        free = [x0 for part, x0 in zip(self.parts, states, strict=True) if part.data.known is None]
         return np.concatenate([theta[: self._count], *free])
 
     def unpacked(self, unknowns: Array) -> tuple[Array, list[Array]]:
         theta = unknowns[: self._count] if self._given is None else self._given
         return theta, [
             unknowns[place] if place else np.array(part.data.known) / self._scale
-            for part, place in zip(self._parts, self._places(), strict=True)
+            for part, place in zip(self.parts, self._places(), strict=True)
         ]
 
     def bounds(self) -> tuple[Array, Array]:
@@ -211,28 +234,19 @@ class _Search:
         if self._given is None:
             cost += self._known(theta, gradient, hessian)
         before = near.parts if near is not None else [None] * len(states)
-        parts = list(
-            self._map(
-                lambda part, x0, nearby: follow_part(self._problem, part, x0, theta, nearby),
-                self._parts, states, before,
-            )
-        )  # fmt: skip
-        for followed, part, place in zip(parts, self._parts, self._places(), strict=True):
-            r, nx = followed.residuals, len(self._scale)
+        found = list(self._map(self._followed, self.parts, states, [theta] * len(states), before))
+        for (_, sums), part, place in zip(found, self.parts, self._places(), strict=True):
+            cost, squares = cost + sums.loss, squares + sums.squares
             columns = [*place, *(part.entries if self._given is None else ())]
-            taken = [*(range(nx) if place else ()), *(range(nx, nx + len(part.entries)) if self._given is None else ())]
-            slopes = followed.slopes[:, taken]
-            squares += float(r @ r)
-            weighted = slopes
-            if self._robust:
-                root = np.sqrt(1.0 + (r / HUBER) ** 2)
-                cost += HUBER**2 * float(np.sum(root - 1.0))
-                weighted = slopes / root[:, None]
-            else:
-                cost += 0.5 * float(r @ r)
-            gradient[columns] += weighted.T @ r
-            hessian[np.ix_(columns, columns)] += weighted.T @ slopes
-        return Spot(cost, gradient, hessian, tuple(parts), squares)
+            nx = len(self._scale)
+            taken = slice(0 if place else nx, None if self._given is None else nx)
+            gradient[columns] += sums.gradient[taken]
+            hessian[np.ix_(columns, columns)] += sums.hessian[taken, taken]
+        return Spot(cost, gradient, hessian, tuple(followed for followed, _ in found), squares)
+
+    def _followed(self, part: Part, x0: Array, theta: Array, near: Followed | None) -> tuple[Followed, Sums]:
+        followed = follow_part(self._problem, part, x0, theta, near)
+        return followed, sums_of(self._problem, part, followed, HUBER if self._robust else np.inf)
 
     def _known(self, theta: Array, gradient: Array, hessian: Array) -> float:
         """Add what is known beforehand; return what it costs."""
@@ -249,7 +263,7 @@ class _Search:
     def _places(self) -> list[list[int]]:
         """For each measurement where its initial state is among the unknowns; nowhere if it is known."""
         places, begin = [], self._count
-        for part in self._parts:
+        for part in self.parts:
             length = 0 if part.data.known is not None else len(self._scale)
             places.append(list(range(begin, begin + length)))
             begin += length

@@ -30,6 +30,7 @@ typedef struct {
     int pivots[N];
 } Interval;
 
+/* LU factors by rows; on the diagonal stand the reciprocals. */
 static int factorise(double a[N][N], int *pivots)
 {
     for (int k = 0; k < N; k++) {
@@ -44,8 +45,9 @@ static int factorise(double a[N][N], int *pivots)
                 a[k][j] = a[best][j];
                 a[best][j] = swapped;
             }
+        a[k][k] = 1.0 / a[k][k];
         for (int i = k + 1; i < N; i++) {
-            double factor = a[i][k] /= a[k][k];
+            double factor = a[i][k] *= a[k][k];
             for (int j = k + 1; j < N; j++) a[i][j] -= factor * a[k][j];
         }
     }
@@ -67,7 +69,7 @@ static void solve(double a[N][N], const int *pivots, int columns, double *b)
     for (int i = N - 1; i >= 0; i--) {
         for (int k = i + 1; k < N; k++)
             for (int c = 0; c < columns; c++) b[i * columns + c] -= a[i][k] * b[k * columns + c];
-        for (int c = 0; c < columns; c++) b[i * columns + c] /= a[i][i];
+        for (int c = 0; c < columns; c++) b[i * columns + c] *= a[i][i];
     }
 }
 
@@ -206,6 +208,34 @@ EXPORT void measure(int torque, int count, const double *x, const double *z, con
             y_q[k * NQ + q] = sum;
         }
     }
+}
+
+/* Residuals of `samples`, each interpolated by `weights` from four rows of `points` from `first` on, in which the value is
+ * followed by its derivatives by q; their sums: the loss, the squares, gradient and, row by row, Hessian without their
+ * curvature. The loss of a residual r is r^2/2, or from about `turn` on linear: turn^2 (sqrt(1 + (r/turn)^2) - 1). */
+EXPORT void gather(int samples, const int *first, const double *weights, const double *points, const double *measured,
+                   double turn, double *loss, double *squares, double *gradient, double *hessian)
+{
+    for (int s = 0; s < samples; s++) {
+        double row[1 + NQ] = {0.0}, weight = 1.0;
+        for (int k = 0; k < 4; k++)
+            for (int c = 0; c <= NQ; c++) row[c] += weights[4 * s + k] * points[(first[s] + k) * (1 + NQ) + c];
+        double r = row[0] - measured[s];
+        *squares += r * r;
+        if (isfinite(turn)) {
+            double root = sqrt(1.0 + (r / turn) * (r / turn));
+            *loss += turn * turn * (root - 1.0);
+            weight = 1.0 / root;
+        } else
+            *loss += 0.5 * r * r;
+        for (int a = 0; a < NQ; a++) {
+            double weighted = weight * row[1 + a];
+            gradient[a] += weighted * r;
+            for (int b = 0; b <= a; b++) hessian[a * NQ + b] += weighted * row[1 + b];
+        }
+    }
+    for (int a = 0; a < NQ; a++)
+        for (int b = 0; b < a; b++) hessian[b * NQ + a] = hessian[a * NQ + b];
 }
 
 /* All parameters from the independent ones. */
