@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from calibration import plants
 from cosim.calibration import Data, Free, data_of, draw_fit, fit, linkage_equations, linkage_model, write_fit
+from cosim.calibration._motion import Followed, follow_part, sensitivity_of, sums_of
 from cosim.calibration._problem import Problem
-from cosim.calibration._shooting import Followed, follow_part, sensitivity_of, sums_of
 from cosim.calibration._uncertainty import Sensitivity
 from cosim.dae import Dae
 from cosim.errors import InputError
@@ -106,6 +106,23 @@ def test_sensitivities_are_those_of_following_again_with_other_parameters(dae: D
     assert sums.squares == pytest.approx(exact.residuals @ exact.residuals, rel=1e-12)
     assert sums.gradient == pytest.approx(slopes.T @ exact.residuals, rel=1e-9)
     assert sums.hessian == pytest.approx(slopes.T @ slopes, rel=1e-9)
+
+
+@pytest.mark.parametrize("begin", [None, 1.0])
+@pytest.mark.parametrize("factor", [0.6, 1.4])
+def test_the_minimum_is_found_from_a_motor_constant_that_is_far_off(
+    dae: Dae, workbooks: list[Path], begin: float | None, factor: float
+) -> None:
+    data = [data_of(read(path), begin) for path in workbooks]
+    names = ["k_emf", "d_joint", "ext_load", "motor.R"]
+    known = {"J_rotor": TRUE["J_rotor"]} | ETA
+    near = fitted(dae, names, data, known)
+    far = fitted(dae, names, data, known | {"k_emf": 0.113 * factor})
+    assert far.solved
+    assert far.uncertainty.chi < 1.1
+    for one, other in zip(far.estimates, near.estimates, strict=True):
+        # what is not known beforehand differs, since each fit is drawn to its own start
+        assert one.value == pytest.approx(other.value, abs=0.2 * other.error)
 
 
 def test_both_methods_find_the_same(dae: Dae, workbooks: list[Path]) -> None:

@@ -12,10 +12,10 @@ from cosim.calibration import _collocation, _shooting
 from cosim.calibration._data import Data, distinct
 from cosim.calibration._equations import OUTPUTS
 from cosim.calibration._model import Model
+from cosim.calibration._motion import Followed, follow_part, sensitivity_of
 from cosim.calibration._problem import Free, Part, Problem, Solution
 from cosim.calibration._progress import Progress
 from cosim.calibration._results import Agreement, Estimate, Fit
-from cosim.calibration._shooting import Followed
 from cosim.calibration._uncertainty import Uncertainty, uncertainty
 
 Array = NDArray[np.float64]
@@ -65,7 +65,7 @@ def fit(
     else:
         solution = _collocation.solve(problem, robust, most_iterations, progress)
         pairs = zip(problem.fitted, solution.states, strict=True)
-        followed = [_shooting.follow_part(problem, part, x0, solution.theta) for part, x0 in pairs]
+        followed = [follow_part(problem, part, x0, solution.theta) for part, x0 in pairs]
     held = [_shooting.meet(problem, part, solution.theta, most_iterations) for part in problem.parts if part.held_out]
     everything = zip(problem.parts, [*followed, *held], strict=True)
     modelled = [_modelled(problem.model, part, each) for part, each in everything]
@@ -96,8 +96,7 @@ def _uncertainty(problem: Problem, solution: Solution, followed: Sequence[Follow
         strengths[entry] = 1.0 / deviation
     names = [problem.label(entry) for entry in range(len(solution.theta))]
     parts = [
-        _shooting.sensitivity_of(problem, part, each, len(names))
-        for part, each in zip(problem.fitted, followed, strict=True)
+        sensitivity_of(problem, part, each, len(names)) for part, each in zip(problem.fitted, followed, strict=True)
     ]
     return uncertainty(names, parts, strengths, solution.theta)
 

@@ -3,36 +3,34 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.calibration._compiled import Sums, Track
-from cosim.calibration._descent import descend
-from cosim.calibration._problem import HUBER, LOOSE, REST, Part, Problem, Solution
+from cosim.calibration._compiled import Sums
+from cosim.calibration._descent import Descent, descend
+from cosim.calibration._motion import Followed, LostError, follow_part, sums_of
+from cosim.calibration._problem import HUBER, LOOSE, Part, Problem, Solution
 from cosim.calibration._progress import Progress
-from cosim.calibration._uncertainty import Sensitivity
-from cosim.errors import InputError, SimulationError
+from cosim.errors import InputError
 
 Array = NDArray[np.float64]
-_WINDOWS = (1.0, 2.5)
+_SHORT, _LONGER = 1.0, 2.5
 """What the first so many seconds tell is found first: over a short while, a wrong speed does not add up to a turn."""
+_LEAP = 2.0
+"""If the whole is so much worse than the short beginning, the longer beginning comes between them."""
 _ROUGH, _FINE = 1e-3, 1e-8
-"""A descent ends when a step promises to lower the cost by less than this part; over a window, over all."""
+"""A descent ends when a step promises to lower the cost by less than this part; over a beginning, over all."""
+_PHASES, _FEW = 8, 20
+"""So many angles of the crank are tried at the beginning if the motor runs already, with so many steps each."""
+_MET = 1.5
+"""With residuals below this many times the noise, the angle is found."""
 _TURN = 0.3
-"""The crank has to get at least so far ahead [rad] in the first window."""
+"""The crank has to get at least so far ahead [rad] in the short beginning."""
 _REMEDY = "Start from values with which the motor runs as it was measured to, or choose another window"
-
-
-@dataclass(frozen=True)
-class Followed:
-    """A measurement's motion for q = [x0; fitted parameters], none of them scaled."""
-
-    q: Array
-    track: Track
 
 
 @dataclass(frozen=True)
@@ -46,87 +44,6 @@ class Spot:
     squares: float
 
 
-class LostError(SimulationError):
-    """A motion cannot be followed to its end."""
-
-
-def follow_part(
-    problem: Problem, part: Part, x0: Array, theta: Array, near: Followed | None = None, **options: float
-) -> Followed:
-    """Follow a measurement's motion from its initial state (scaled).
-
-    ``near`` is the same, or the beginning of it, with values nearby; ``options`` are those of `Model.follow`. Raises
-    LostError if it cannot be followed.
-    """
-    model = problem.model
-    scale = np.concatenate((model.scales[0], model.scale))
-    q = np.concatenate((x0, theta[part.entries])) * scale
-    guess = None
-    if near is not None:
-        guess = near.track.x[1:] + near.track.x_q[1:] @ (q - near.q), near.track.z
-    track = model.follow(part.h, part.u, q, guess, **options)
-    if not track.whole or not np.isfinite(track.x_q).all():
-        raise LostError(_where_lost(problem, part, q, track))
-    return Followed(q, track)
-
-
-def sums_of(problem: Problem, part: Part, followed: Followed, turn: float) -> Sums:
-    """Return the sums over a measurement's residuals (over their noise), q = [x0; own theta] scaled."""
-    loss = squares = 0.0
-    gradient, hessian = np.zeros(len(followed.q)), np.zeros((len(followed.q), len(followed.q)))
-    for points, measured in _compared(problem, part, followed):
-        found = problem.model.library.gather(part.sampling, points, measured, turn)
-        loss, squares = loss + found.loss, squares + found.squares
-        gradient += found.gradient
-        hessian += found.hessian
-    if (rest := _rest(problem, part, followed)) is not None:
-        at = problem.model.state("w_crank")
-        loss, squares = loss + 0.5 * rest[0] ** 2, squares + rest[0] ** 2
-        gradient[at] += rest[0] * rest[1]
-        hessian[at, at] += rest[1] ** 2
-    return Sums(loss, squares, gradient, hessian)
-
-
-def sensitivity_of(problem: Problem, part: Part, followed: Followed, total: int) -> Sensitivity:
-    """Return how a measurement's residuals change with its initial state, where that is free, and with theta."""
-    rows = []
-    for points, measured in _compared(problem, part, followed):
-        rows.append(part.sampling @ points)
-        rows[-1][:, 0] -= measured
-    if (rest := _rest(problem, part, followed)) is not None:
-        rows.append(np.zeros((1, 1 + len(followed.q))))
-        rows[-1][0, [0, 1 + problem.model.state("w_crank")]] = rest
-    everything = np.vstack(rows)
-    states = followed.track.x.shape[1]
-    by_theta = np.zeros((len(everything), total))
-    by_theta[:, part.entries] = everything[:, 1 + states :]
-    by_state = everything[:, 1 : 1 + (0 if part.data.known is not None else states)]
-    return Sensitivity(everything[:, 0], by_state, by_theta)
-
-
-def _compared(problem: Problem, part: Part, followed: Followed) -> Iterator[tuple[Array, Array]]:
-    """For each output that was measured: it at the points with its derivatives by q scaled, and what was measured."""
-    model = problem.model
-    scale = np.concatenate(([1.0], model.scales[0], model.scale))
-    for output, (values, noise) in enumerate(part.data.measured):
-        yield model.output(output, followed.track, part.u, followed.q) * (scale / noise), values / noise
-
-
-def _rest(problem: Problem, part: Part, followed: Followed) -> tuple[float, float] | None:
-    """What the speed of a motor counts that begins at rest, and its derivative by that speed scaled."""
-    if not part.data.from_rest or part.data.known is not None:
-        return None
-    speed = problem.model.state("w_crank")
-    return float(followed.q[speed]) / REST, float(problem.model.scales[0][speed]) / REST
-
-
-def _where_lost(problem: Problem, part: Part, q: Array, track: Track) -> str:
-    at = part.points[min(track.done, len(part.points) - 1)]
-    change = problem.model.first_change(track, part.u, q)
-    reason = "" if change is None else f"; at {part.points[change[0]]:.3f} s the relation '{change[1]}' changes"
-    return f"{part.data.name}: the motion cannot be followed beyond {at:.3f} s{reason}"
-
-
 def solve(
     problem: Problem, robust: bool, most_steps: int, progress: Progress | None
 ) -> tuple[Solution, list[Followed]]:
@@ -134,25 +51,32 @@ def solve(
 
     Raises InputError if the motor does not run with the starting values.
     """
-    theta, states = problem.start, [problem.initial(part) for part in problem.fitted]
-    steps, near = 0, None
+    theta, states = _beginning(problem, robust)
+    steps, near, chi = 0, None, np.inf
     longest = max(part.borders[-1] - part.borders[0] for part in problem.fitted)
+    windows = [np.inf] if longest < _SHORT / 0.7 else [_SHORT, np.inf]
     with ThreadPoolExecutor(min(len(states), os.cpu_count() or 1)) as workers:
-        for window in (*(w for w in _WINDOWS if w < 0.7 * longest), np.inf):
+        while windows:
+            window = windows.pop(0)
             search = _Search(problem, [part.first(window) for part in problem.fitted], robust, None, workers)
             unknowns = search.packed(theta, states)
+            again = np.isinf(window) and near is not None and longest > _LONGER / 0.7 and np.isfinite(chi)
             try:
                 spot = search.place(unknowns, near)
             except LostError as error:
-                raise InputError(f"{error}. {_REMEDY}") from error
+                if not again:
+                    raise InputError(f"{error}. {_REMEDY}") from error
+                windows, chi = [_LONGER, np.inf], np.inf
+                continue
             if near is None:
                 _check_running(problem, spot)
+            if again and search.chi(spot) > _LEAP * chi:
+                windows, chi = [_LONGER, np.inf], np.inf
+                continue
 
-            samples = sum(part.samples for part in search.parts)
-
-            def tell(step: int, at: Spot, before: int = steps, count: int = samples) -> None:
+            def tell(step: int, at: Spot, before: int = steps, of: _Search = search) -> None:
                 if progress is not None:
-                    progress(before + step, float(np.sqrt(at.squares / count)))
+                    progress(before + step, of.chi(at))
 
             tell(0, spot)
             enough = _FINE if np.isinf(window) else _ROUGH
@@ -160,6 +84,7 @@ def solve(
             steps += found.steps
             theta, states = search.unpacked(found.unknowns)
             near = found.place
+            chi = search.chi(near) if window == _SHORT else np.inf
     return Solution(theta, tuple(states), found.limit, steps), list(found.place.parts)
 
 
@@ -169,15 +94,84 @@ def meet(problem: Problem, part: Part, theta: Array, most_steps: int) -> Followe
     Raises InputError if there is no such motion.
     """
     search = _Search(problem, [part], False, theta, None)
-    unknowns = search.packed(theta, [problem.initial(part)])
     try:
+        x0 = problem.initial(part)
+        if _is_running(part):
+            _, x0 = _phase(problem, part, False, theta, theta)
+        unknowns = search.packed(theta, [x0])
         spot = search.place(unknowns, None)
     except LostError as error:
         raise InputError(f"with the fitted parameters, {error}") from error
     if not len(unknowns):
         return spot.parts[0]
-    found = descend(search.evaluate, unknowns, spot, search.bounds(), most_steps, _FINE, lambda _step, _at: None)
-    return found.place.parts[0]
+    return search.descend(unknowns, spot, most_steps, _FINE).place.parts[0]
+
+
+def _beginning(problem: Problem, robust: bool) -> tuple[Array, list[Array]]:
+    """Return theta and the initial states to begin with: the start, unless the motor runs already in a measurement.
+
+    Then theta is from the measurement that is met best over its beginning, but for what is local to others.
+    """
+    theta, states, least = problem.start.copy(), [], np.inf
+    own: list[tuple[Part, Array]] = []
+    for part in problem.fitted:
+        if not _is_running(part):
+            states.append(problem.initial(part))
+            continue
+        try:
+            (chi, found), x0 = _phase(problem, part, robust, problem.start, None)
+        except LostError as error:
+            raise InputError(f"{error}. {_REMEDY}") from error
+        states.append(x0)
+        own.append((part, found))
+        if chi < least:
+            least, theta = chi, found
+    local = [entry for entry, (_, number) in enumerate(problem.labels) if number is not None]
+    theta = theta.copy()
+    for part, found in own:
+        mine = [entry for entry in local if entry in part.entries]
+        theta[mine] = found[mine]
+    return theta, states
+
+
+def _is_running(part: Part) -> bool:
+    """Whether the motor runs already when a measurement begins, at an angle that is not known."""
+    return not part.data.from_rest and part.data.known is None
+
+
+def _phase(
+    problem: Problem, part: Part, robust: bool, start: Array, given: Array | None
+) -> tuple[tuple[float, Array], Array]:
+    """Find at which angle a measurement begins: the one with which its beginning is met best.
+
+    Returns the root mean square of the residuals and theta (both of the beginning), and the initial state. Raises
+    LostError if no motion can be followed from any angle.
+    """
+    guess, angle = problem.initial(part), problem.model.state("phi_crank")
+    best: tuple[tuple[float, Array], Array] | None = None
+    lost: LostError | None = None
+    for k in range(_PHASES):
+        theta, x0 = start, guess.copy()
+        x0[angle] += 2.0 * np.pi * k / _PHASES / problem.model.scales[0][angle]
+        near: Spot | None = None
+        try:
+            for window in (_SHORT, _LONGER):
+                search = _Search(problem, [part.first(window)], robust, given, None)
+                unknowns = search.packed(theta, [x0])
+                found = search.descend(unknowns, search.place(unknowns, near), _FEW, _ROUGH)
+                theta, (x0,) = search.unpacked(found.unknowns)
+                near = found.place
+        except LostError as error:
+            lost = error
+            continue
+        chi = search.chi(found.place)
+        if best is None or chi < best[0][0]:
+            best = (chi, theta), x0
+        if chi < _MET:
+            break
+    if best is None:
+        raise lost or LostError(f"{part.data.name}: no angle to begin with was found")
+    return best
 
 
 def _check_running(problem: Problem, spot: Spot) -> None:
@@ -188,7 +182,7 @@ def _check_running(problem: Problem, spot: Spot) -> None:
         if ahead < _TURN:
             raise InputError(
                 f"{part.data.name}: with the starting values the crank turns only {ahead:.2g} rad in the first "
-                f"{_WINDOWS[0]:g} s. {_REMEDY}"
+                f"{_SHORT:g} s. {_REMEDY}"
             )
 
 
@@ -219,6 +213,14 @@ class _Search:
         wide = np.full(sum(len(place) for place in self._places()), np.inf)
         lower, upper = self._problem.lower[: self._count], self._problem.upper[: self._count]
         return np.concatenate((lower, -wide)), np.concatenate((upper, wide))
+
+    def chi(self, spot: Spot) -> float:
+        """Return the root of the mean square of all residuals over their noise."""
+        return float(np.sqrt(spot.squares / sum(part.samples for part in self.parts)))
+
+    def descend(self, unknowns: Array, spot: Spot, most_steps: int, enough: float) -> Descent[Spot]:
+        """Descend from a place without a word."""
+        return descend(self.evaluate, unknowns, spot, self.bounds(), most_steps, enough, lambda _step, _at: None)
 
     def evaluate(self, unknowns: Array, near: Spot | None) -> Spot | None:
         """Return the place, or None where a motion cannot be followed."""
