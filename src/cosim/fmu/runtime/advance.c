@@ -24,6 +24,7 @@ void simulation_changed(Simulation *m, int parameters)
 {
     if (parameters) model_parameters(m->s.p);
     m->s.event_due = 1;
+    m->tangent = TANGENT_UNKNOWN;
     m->have = 0;
 }
 

@@ -48,25 +48,27 @@ static int solve_by_newton(Simulation *m, double t, double *v)
     return 1;
 }
 
-/* A few Newton sweeps, from unknowns that are nearly right. Returns 0 with v unchanged if they are not. */
-static int sweep(Simulation *m, double t, double *v, double *y)
+/* Newton's method in a few corrections, the first of which is less than `longest` of an unknown's size, and each of the
+ * next ones far less than the one before. */
+static const double NEARLY = 1e-2, ROUGHLY = 0.5;
+
+static int sweep(Simulation *m, double t, double *v, double *y, int sweeps, double longest)
 {
 #if MODEL_HAS_SWEEP
-    enum { SWEEPS = 3 };
-    static const double NEARLY = 1e-2;
+    static const double LESS = 0.25;
     State *s = &m->s;
     /* A correction of this size leaves an error of its square, times a curvature; far below the solver's error. */
     double quadratic = sqrt(1e-5 * s->tolerance);
     double swept[MODEL_ROOM(MODEL_NV)], dz[MODEL_ROOM(MODEL_NZ)], unwanted[MODEL_ROOM(MODEL_NY)];
     if (!y) y = unwanted;
     memcpy(swept, v, sizeof swept);
-    for (int k = 0; k < SWEEPS; k++) {
+    for (int k = 0; k < sweeps; k++, longest = fmax(NEARLY, LESS * longest)) {
         s->counters[COUNTER_RHS]++;
         model_sweep(t, swept, s->u, s->p, s->d, s->c, dz, y);
         double largest = 0.0;
         for (int i = 0; i < MODEL_NZ; i++) {
             double *z = &swept[MODEL_NX + i], length = fabs(dz[i]) / (fabs(*z) + model_nominal[MODEL_NX + i]);
-            if (!(length < NEARLY)) return 0;
+            if (!(length < longest)) return 0;
             largest = fmax(largest, length);
             *z += dz[i];
         }
@@ -76,15 +78,20 @@ static int sweep(Simulation *m, double t, double *v, double *y)
         }
     }
 #else
-    (void)m, (void)t, (void)v, (void)y;
+    (void)m, (void)t, (void)v, (void)y, (void)sweeps, (void)longest;
 #endif
     return 0;
+}
+
+int simulation_solve_nearby(Simulation *m, double t, double *v, double *y)
+{
+    return sweep(m, t, v, y, 5, ROUGHLY);
 }
 
 int simulation_solve_algebraic(Simulation *m, double t, double *v, double *y)
 {
     const State *s = &m->s;
-    if (MODEL_NZ > 0 && sweep(m, t, v, y)) return 1;
+    if (MODEL_NZ > 0 && sweep(m, t, v, y, 3, NEARLY)) return 1;
     if (MODEL_NZ > 0 && !solve_by_newton(m, t, v)) return 0;
     if (y) model_outputs(t, v, s->u, s->p, s->d, s->c, y);
     return 1;

@@ -33,6 +33,7 @@ static void transpose(int n, double *A)
 /* x = -(df_z/dz)^-1 x, or with its transposed. */
 static int solve_algebraic(Simulation *m, int transposed, double *x)
 {
+    if (!transposed && simulation_solve_at_settled(m, m->shown_v, x)) return 1;
     double r[MODEL_ROOM(MODEL_NZ)];
     model_linearise_residual(POINT(m), r, m->newton.J);
     if (transposed) transpose(MODEL_NZ, m->newton.J);

@@ -120,7 +120,7 @@ static bool settle_here(Simulation *m)
 {
     const double *v = simulation_values(m, STORE_UNKNOWN);
     if (!v) return false;
-    memcpy(m->s.v + MODEL_NX, v + MODEL_NX, MODEL_NZ * sizeof *v);
+    simulation_settle(m, v, 0);
     return true;
 }
 
@@ -176,6 +176,7 @@ int exchange_enter_continuous_time_mode(Simulation *m, const char *function)
     }
     s->watched.event = s->watched.completed[0] = s->watched.completed[1] = s->t;
     s->trend.points = 0;
+    simulation_settle(m, s->v, 1);
     s->mode = CONTINUOUS_TIME_MODE;
     return STATUS_OK;
 }

@@ -53,6 +53,17 @@ int rodas_begin(Rodas *r, double t, const double *v, const Held *held)
     return eliminate(r);
 }
 
+void rodas_solve_algebraic(const Rodas *r, const double *b, double *x)
+{
+    lu_apply(MODEL_NZ, r->system.zz, r->system.pivots_z, b, x);
+}
+
+void rodas_algebraic_rates(const Rodas *r, double *dz_dt)
+{
+    rodas_solve_algebraic(r, r->f_t + MODEL_NX, dz_dt);
+    for (int i = 0; i < MODEL_NZ; i++) dz_dt[i] = -dz_dt[i];
+}
+
 /* k = (M / (gamma h) - J)^-1 b; b is spent. */
 static void solve(const StageSystem *s, double *b, double *k)
 {

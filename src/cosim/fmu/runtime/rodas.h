@@ -56,6 +56,10 @@ double rodas_attempt(Rodas *r, double h, double tolerance, const Held *held);
 /* The solution at t + theta h, 0 <= theta <= 1; exact at the ends. */
 void rodas_dense(const RodasStep *step, double theta, double *v);
 
+/* x = (df_z/dz)^-1 b where rodas_begin was called, and how fast the algebraic unknowns change with time, the states held. */
+void rodas_solve_algebraic(const Rodas *r, const double *b, double *x);
+void rodas_algebraic_rates(const Rodas *r, double *dz_dt);
+
 /* A careful first step from where rodas_begin was called. */
 double rodas_first_step(const Rodas *r, double tolerance);
 

@@ -81,6 +81,28 @@ static void swap(Matrix *x, int *order, int i, int j)
     x->sign = -x->sign;
 }
 
+/* Bring an entry to the diagonal as a pivot, which becomes a factor of the determinant; 0 if it is none. */
+static double take_pivot(Matrix *x, int k, int row, int column)
+{
+    swap(x, x->row, k, row);
+    swap(x, x->column, k, column);
+    double pivot = *at(x, k, k);
+    x->sign *= (pivot > 0.0) - (pivot < 0.0);
+    if (x->sign == 0) return 0.0;
+    int exponent;
+    x->size.mantissa = frexp(x->size.mantissa * fabs(pivot), &exponent);
+    x->size.exponent += exponent;
+    return pivot;
+}
+
+static void eliminate_column(Matrix *x, int k, double pivot, int columns)
+{
+    for (int i = k + 1; i < x->rows; i++) {
+        double factor = *at(x, i, k) / pivot;
+        for (int j = k; factor != 0.0 && j < columns; j++) *at(x, i, j) -= factor * *at(x, k, j);
+    }
+}
+
 /* Gaussian elimination, with pivots among the columns of what is not a state: the smallest comes last. */
 static void triangularise(Matrix *x)
 {
@@ -89,18 +111,22 @@ static void triangularise(Matrix *x)
         for (int i = k; i < x->rows; i++)
             for (int j = k; j < x->rows; j++)
                 if (fabs(*at(x, i, j)) > fabs(*at(x, row, column))) row = i, column = j;
-        swap(x, x->row, k, row);
-        swap(x, x->column, k, column);
-        double pivot = *at(x, k, k);
-        x->sign *= (pivot > 0.0) - (pivot < 0.0);
-        if (x->sign == 0) return;
-        int exponent;
-        x->size.mantissa = frexp(x->size.mantissa * fabs(pivot), &exponent);
-        x->size.exponent += exponent;
-        for (int i = k + 1; i < x->rows; i++) {
-            double factor = *at(x, i, k) / pivot;
-            for (int j = k; factor != 0.0 && j < x->columns; j++) *at(x, i, j) -= factor * *at(x, k, j);
-        }
+        double pivot = take_pivot(x, k, row, column);
+        if (pivot == 0.0) return;
+        eliminate_column(x, k, pivot, x->columns);
+    }
+}
+
+/* The same for the determinant alone. */
+static void find_determinant(Matrix *x)
+{
+    for (int k = 0; k < x->rows; k++) {
+        int row = k;
+        for (int i = k + 1; i < x->rows; i++)
+            if (fabs(*at(x, i, k)) > fabs(*at(x, row, k))) row = i;
+        double pivot = take_pivot(x, k, row, k);
+        if (pivot == 0.0) return;
+        eliminate_column(x, k, pivot, x->rows);
     }
 }
 
@@ -165,7 +191,7 @@ void simulation_determinants(const Simulation *m, double t, const double *v, Det
     for (int k = 0; k < MODEL_NCONSTRAINTS; k++) {
         Matrix x;
         load(&x, k, entries);
-        triangularise(&x);
+        find_determinant(&x);
         determinant[k] = (Determinant){x.sign * x.size.mantissa, x.size.exponent};
     }
 }

@@ -13,7 +13,10 @@ const double *simulation_values(Simulation *m, ModelStore store)
     if (!(m->have & 1u << STORE_UNKNOWN)) {
         /* Into a copy: whether somebody looks must not change the future. */
         memcpy(m->shown_v, s->v, sizeof s->v);
-        if (!simulation_solve_algebraic(m, s->t, m->shown_v, m->shown_y)) return NULL;
+        if (!simulation_predict(m, m->shown_v) || !simulation_solve_nearby(m, s->t, m->shown_v, m->shown_y)) {
+            memcpy(m->shown_v, s->v, sizeof s->v);
+            if (!simulation_solve_algebraic(m, s->t, m->shown_v, m->shown_y)) return NULL;
+        }
         m->have = 1u << STORE_UNKNOWN | 1u << STORE_OUTPUT;
     }
     if (store == STORE_UNKNOWN) return m->shown_v;

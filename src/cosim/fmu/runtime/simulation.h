@@ -55,6 +55,15 @@ typedef struct {
     int reinitialised; /* states have new values that the importer has not been told of */
 } Watched;
 
+/* The points of Model Exchange at which v was last solved for and kept, since the last event, the last one first; its
+ * algebraic unknowns are those of the state. See predict.c. */
+typedef struct {
+    double t[2], x[2][MODEL_ROOM(MODEL_NX)], z_before[MODEL_ROOM(MODEL_NZ)];
+    int known; /* of the two */
+} Settled;
+
+typedef enum { TANGENT_UNKNOWN, TANGENT_FOUND, NO_TANGENT } Tangent;
+
 /* The determinant of one set of constraints: mantissa * 2^exponent, as a product of many pivots leaves the range. */
 typedef struct {
     double mantissa;
@@ -93,6 +102,7 @@ typedef struct {
     Accumulation accumulation[MODEL_ROOM(MODEL_NG)];
     Window window;
     Watched watched;
+    Settled settled;
     Trend trend;
     uint64_t counters[COUNTERS];
     signed char selection_sign[MODEL_ROOM(MODEL_NCONSTRAINTS)]; /* of the constraints' determinants; 0 if not known */
@@ -114,6 +124,7 @@ typedef struct {
     /* Scratch, of no meaning between two calls. */
     Rodas rodas;
     Newton newton;
+    Tangent tangent; /* of the settled point, in rodas */
     unsigned char changing[MODEL_ROOM(MODEL_NG)]; /* relations that changed last */
     /* Cache of values derived from s; bit (1 << ModelStore) of have says which are valid. */
     unsigned have;
@@ -173,6 +184,14 @@ const double *simulation_kept_values(Simulation *m, ModelStore store);
 /* For the runtime itself. */
 int simulation_fail(Simulation *m, const char *format, ...) PRINTF_LIKE(2, 3);
 int simulation_solve_algebraic(Simulation *m, double t, double *v, double *y); /* y, the outputs, may be NULL */
+/* By a few Newton sweeps, from unknowns that are roughly right; 0 with v unchanged if they are not. */
+int simulation_solve_nearby(Simulation *m, double t, double *v, double *y);
+/* In Model Exchange v has been solved for at s.t and is kept: trial points are looked for from there. */
+void simulation_settle(Simulation *m, const double *v, int after_event);
+/* Move the algebraic unknowns of v, those of the settled point, to about s.t and the states of v; 0 if nothing is known. */
+int simulation_predict(Simulation *m, double *v);
+/* x = -(df_z/dz)^-1 x at the settled point, if that is where v is; else 0. */
+int simulation_solve_at_settled(Simulation *m, const double *v, double *x);
 /* The initial equations have no solution at s.v, where m->newton gave up: which of them, and for which unknowns. */
 int simulation_blame_initial(Simulation *m, NewtonOutcome outcome);
 /* Events and progress are watched from s.t on. */

@@ -47,6 +47,7 @@ int instance_restore(void *instance, const char *function, const void *state)
     if (((const State *)state)->type != m->s.type)
         return instance_error(m, "%s: the state is one of the other type, Co-Simulation or Model Exchange.", function);
     memcpy(&m->s, state, sizeof(State));
+    m->tangent = TANGENT_UNKNOWN;
     m->have = 0;
     return STATUS_OK;
 }
