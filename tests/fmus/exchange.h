@@ -17,12 +17,13 @@ typedef enum { INSTANTIATED, INITIALIZATION, EVENT, CONTINUOUS_TIME } Mode;
 typedef struct {
     double v[ROOM];
     double time, next_event; /* infinite: none */
-    bool update_needed, states_changed, terminate, step_event;
+    bool update_needed, states_changed, terminate, step_event, discard;
+    void *environment, *logger; /* as the others have them */
     Mode mode;
 } Model;
 
 static void start(Model *m);
-/* Derivatives of the states; false: they cannot be computed. */
+/* Derivatives of the states; false: they cannot be computed, and if `discard`, not there. */
 static bool rates(Model *m);
 static void indicators(Model *m, double z[]);
 static void update(Model *m);
@@ -78,7 +79,8 @@ fmi3GetContinuousStateDerivatives
 (INSTANCE c, REAL dx[], size_t n) {
     Model *m = c;
     IN(CONTINUOUS_TIME);
-    if (!rates(m)) return ERROR;
+    m->discard = false;
+    if (!rates(m)) return m->discard ? 2 : ERROR;
     memcpy(dx, m->v + 1 + NX, n * sizeof *dx);
     return n == NX ? 0 : ERROR;
 }
@@ -203,4 +205,32 @@ STATUS fmi3UpdateDiscreteStates(INSTANCE c, FLAG *needed, FLAG *terminate, FLAG 
     *next = m->next_event;
     return 0;
 }
+#endif
+
+#ifdef DIRECTIONAL
+/* What derivative `rate` gains along variable `known`. */
+static double gain(const Model *m, unsigned rate, unsigned known);
+#if FMI == 2
+STATUS fmi2GetDirectionalDerivative(INSTANCE c, const fmi2ValueReference rate[], size_t n, const fmi2ValueReference known[],
+                                    size_t n_known, const fmi2Real seed[], fmi2Real gained[]) {
+#else
+STATUS fmi3GetDirectionalDerivative(INSTANCE c, const fmi3ValueReference rate[], size_t n, const fmi3ValueReference known[],
+                                    size_t n_known, const fmi3Float64 seed[], size_t n_seed, fmi3Float64 gained[],
+                                    size_t n_gained) {
+#endif
+    for (size_t i = 0; i < n; i++) {
+        gained[i] = 0.0;
+        for (size_t k = 0; k < n_known; k++) gained[i] += gain(c, rate[i], known[k]) * seed[k];
+    }
+    return 0;
+}
+#endif
+
+#ifdef SAVES
+#undef NAME
+#undef STATUS
+#undef INSTANCE
+#define OK 0
+static void say(Model *m, const char *text) { (void)m, (void)text; }
+#include "saves.h"
 #endif

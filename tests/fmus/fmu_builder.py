@@ -202,6 +202,24 @@ RELAY = Model(
     states=(),
     indicators=1,
 )
+TRACKER = Model(
+    "tracker",
+    (
+        Described("x", 1, "output", unit="m"),
+        Described("v", 2, "output", unit="m/s"),
+        Described("s", 3, "output", unit="m"),
+        Described("der(x)", 4, "local", unit="m/s"),
+        Described("der(v)", 5, "local", unit="m/s2"),
+        Described("der(s)", 6, "local", unit="m/s"),
+        Described("L", 7, "parameter", "fixed", start="1"),
+        Described("near", 8, "parameter", "fixed", start="1e9", unit="s"),
+        Described("t_hole", 9, "parameter", "fixed", start="1e9", unit="s"),
+        Described("t_nan", 10, "parameter", "fixed", start="1e9", unit="s"),
+        Described("grows", 11, "parameter", "fixed", "Boolean", start="false"),
+        Described("done", 12, "local", "discrete", unit="s"),
+    ),
+    states=(("x", "der(x)"), ("v", "der(v)"), ("s", "der(s)")),
+)
 CRASH = Model("crash", (Described("y", 1, "output", unit="s"),))
 CHECKED = Model(
     "checked",
@@ -230,6 +248,7 @@ MODELS = {
         FOREIGN,
         BALL,
         RELAY,
+        TRACKER,
         CRASH,
         CHECKED,
     )
@@ -275,6 +294,10 @@ def build(
             state = "FMUstate" if fmi == 2 else "FMUState"
             claims = f'canGetAndSet{state}="true" canSerialize{state}="true" '
             text = text.replace("<CoSimulation ", f"<CoSimulation {claims}")
+            text = text.replace("<ModelExchange ", f"<ModelExchange {claims}")
+        if "DIRECTIONAL" in defines:
+            plural = "" if fmi == 2 else "s"
+            text = text.replace("<ModelExchange ", f'<ModelExchange providesDirectionalDerivative{plural}="true" ')
         archive.writestr("modelDescription.xml", text)
         archive.write(library, f"binaries/{platform}/{name}{fmpy.sharedLibraryExtension}")
     return path

@@ -19,8 +19,10 @@ STUB(fmi2SerializedFMUstateSize)
 STUB(fmi2SerializeFMUstate)
 STUB(fmi2DeSerializeFMUstate)
 #endif
-#ifndef CHECKED
+#if !defined CHECKED && !defined DIRECTIONAL
 STUB(fmi2GetDirectionalDerivative)
+#endif
+#ifndef CHECKED
 STUB(fmi2GetRealOutputDerivatives)
 #endif
 #ifndef EXCHANGE
@@ -76,8 +78,10 @@ STUB(fmi3SerializedFMUStateSize)
 STUB(fmi3SerializeFMUState)
 STUB(fmi3DeserializeFMUState)
 #endif
-#ifndef CHECKED
+#if !defined CHECKED && !defined DIRECTIONAL
 STUB(fmi3GetDirectionalDerivative)
+#endif
+#ifndef CHECKED
 STUB(fmi3GetAdjointDerivative)
 STUB(fmi3GetOutputDerivatives)
 #endif

@@ -189,6 +189,11 @@ class NativeStepper(Stepper):
             raise AttributeError(function)
         return cast(self._library[symbol], c_void_p).value or 0
 
+    def state(self, verb: str, place: c_void_p) -> int:
+        """Do so for the FMU and the solver together."""
+        function = self._instance.state_symbol(verb)
+        return int(CFUNCTYPE(c_int, c_void_p, c_void_p)(self.pointer(function))(self.component, place))
+
     def failure(self) -> CallError | None:
         """Return why the last call has failed, in words."""
         instance, trouble = self._instance, _Trouble()

@@ -52,6 +52,26 @@ static Answer ask_for_derivatives(Exchange *x, const int32_t *owners) {
     return ANSWERED;
 }
 
+/* By a difference of second order, forwards if there is time left: an FMU need not go back beyond an event. Stiffness
+ * makes much of an error here, so that a difference of first order would not do for tight tolerances. */
+static Answer differentiate_by_time(Exchange *x) {
+    const int n = (int)x->fmu.n_states;
+    const double noise = 1e-9, limit = fmin(x->m.next, x->m.stop), t = x->m.t;
+    const double unit = fmax(1.0, fabs(t));
+    const double size = x->m.control.h > 0.0 ? fmax(1e-4 * x->m.control.h, 1e-14 * unit) : SMALL_STEP * unit;
+    const double h = (t + 2.0 * size <= limit ? size : -size), t1 = t + h, t2 = t + 2.0 * h;
+    const double h1 = t1 - t, h2 = t2 - t; /* as they are in floating point */
+    Answer answer = rates_at(x, t1, x->start, x->rates);
+    if (answer == ANSWERED) answer = rates_at(x, t2, x->start, x->trial);
+    if (answer != ANSWERED) return answer;
+    for (int i = 0; i < n; i++) {
+        const double slope1 = (x->rates[i] - x->f[i]) / h1, slope2 = (x->trial[i] - x->f[i]) / h2;
+        x->f_t[i] = slope1 + (slope1 - slope2) * h1 / (h2 - h1);
+        if (x->fmu.autonomous && fabs(x->rates[i] - x->f[i]) > noise * fabs(x->f[i])) x->m.mistrusted = true;
+    }
+    return ANSWERED;
+}
+
 static Answer add_colour(Exchange *x, const int32_t *owners) {
     if (x->fmu.states) return ask_for_derivatives(x, owners);
     const Answer answer = differentiate(x, owners, 1.0);
@@ -107,17 +127,7 @@ static Answer linearise(Exchange *x) {
     }
     for (int i = 0; i < n; i++) x->f_t[i] = 0.0;
     if (answer != ANSWERED || (x->fmu.autonomous && !x->m.mistrusted && !checking)) return answer;
-    /* within the time that may be reached; backwards only where there is no time left */
-    const double limit = fmin(x->m.next, x->m.stop), size = SMALL_STEP * fmax(1.0, fabs(x->m.t));
-    const double t = x->m.t + (x->m.t + size <= limit ? size : -size), h = t - x->m.t;
-    answer = rates_at(x, t, x->start, x->rates);
-    if (answer != ANSWERED) return answer;
-    const double noise = 1e-9;
-    for (int i = 0; i < n; i++) {
-        x->f_t[i] = (x->rates[i] - x->f[i]) / h;
-        if (x->fmu.autonomous && fabs(x->rates[i] - x->f[i]) > noise * fabs(x->f[i])) x->m.mistrusted = true;
-    }
-    return ANSWERED;
+    return differentiate_by_time(x);
 }
 
 /* Evaluate at the front all that does not depend on the length of the step that begins there. */
@@ -215,7 +225,8 @@ static Answer attempt_step(Exchange *x, double h, double *error) {
             for (int i = 0; i < n; i++) x->end[i] += x->K[stage - 1][i];
         }
         for (int i = 0; i < n; i++) {
-            if (!isfinite(x->end[i])) return DISCARDED;
+            x->worst = i;
+            if (!isfinite(x->end[i])) return ANSWERED; /* with an error beyond all bounds */
         }
         answer = rates_at(x, stage < 5 ? x->m.t + RODAS_ALPHA[stage] * h : x->until, x->end, x->rates);
         if (answer != ANSWERED) return answer;
