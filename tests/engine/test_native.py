@@ -236,7 +236,7 @@ def test_the_suite_is_clean_under_sanitizers(tmp_path: Path) -> None:
     suite = [str(Path(__file__).parent / f"test_{name}.py") for name in ("engine_errors", "engine_instants", "jacobi")]
     suite += [
         str(Path(__file__).parent / f"test_{name}.py")
-        for name in ("types", "arrays", "texts", "binaries", "equality", "exchange")
+        for name in ("types", "arrays", "texts", "binaries", "equality", "exchange", "faults")
     ]
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *suite],

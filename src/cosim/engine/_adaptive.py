@@ -57,7 +57,7 @@ def _step(coupling: Coupling, now: float, t: float, longest: float, recording: b
         if error <= 1.0 or h <= SHORTEST or noisy == 2:
             break
         last = error
-        coupling.wanted = h * max(_LEAST, min(_SAFETY, _SAFETY / sqrt(error)))
+        coupling.wanted = max(SHORTEST, h * max(_LEAST, min(_SAFETY, _SAFETY / sqrt(error))))
         coupling.rejected += 1
         coupling.restore(OUTER)
     coupling.forced += not error <= 1.0
@@ -68,7 +68,7 @@ def _step(coupling: Coupling, now: float, t: float, longest: float, recording: b
     factor = _SAFETY * max(error, 1e-4) ** -0.35 * coupling.error**0.2
     coupling.error = max(error, 1e-4)
     if h == wanted or factor < 1.0:
-        coupling.wanted = h * max(_LEAST, min(_MOST, factor))
+        coupling.wanted = max(SHORTEST, h * max(_LEAST, min(_MOST, factor)))
     return end
 
 

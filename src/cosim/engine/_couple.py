@@ -10,6 +10,7 @@ from cosim.engine._coupling import SMALL, Correction, Coupling, Link, Member, Ob
 from cosim.engine._method import Method, fed_through, holds_end
 from cosim.engine._participant import Participant
 from cosim.engine._plan import Plan
+from cosim.engine._signal_faults import FaultyInput
 from cosim.engine._system import System, dotted
 from cosim.engine._wire import Wire
 
@@ -25,14 +26,14 @@ def couple(system: System, plan: Plan, method: Method, tolerance: float, stop: f
     members: list[Member] = []
     for participant in together:
         own: dict[str, int] = {}
-        for name, wire in _engage(participant, plan.held):
+        for name, wire, faulty in _engage(participant, plan.held):
             connection = connections[participant.instance.name, name]
             own[name] = len(links)
             slot = plan.held[connection.target]
             ahead = place[connection.source[0]] < place[participant.instance.name]
             held = holds_end(participant.instance.fmu, name)
             known = bool(fmus[connection.source[0]].state_names)
-            links.append(Link(wire, dotted(connection.target), slot, ahead, held, known))
+            links.append(Link(wire, dotted(connection.target), slot, ahead, held, known, faulty))
             plan.values[slot] = links[-1].of(plan.values)
         correction = _correction(participant, own, links, plan, system)
         observed = _observed(participant) if method.algorithm == "adaptive" else None
@@ -55,17 +56,25 @@ def couple(system: System, plan: Plan, method: Method, tolerance: float, stop: f
     return coupling
 
 
-def _engage(participant: Participant, held: Mapping[tuple[str, str], int]) -> list[tuple[str, Wire]]:
-    """Let linked inputs read what is held for them; return their names and what they have read before."""
-    engaged: list[tuple[str, Wire]] = []
+def _engage(
+    participant: Participant, held: Mapping[tuple[str, str], int]
+) -> list[tuple[str, Wire, FaultyInput | None]]:
+    """Let linked inputs, or their faults, read what is held for them; return their names and what they read before."""
+    engaged: list[tuple[str, Wire, FaultyInput | None]] = []
     groups = []
     for group in participant.input_groups:
         wires = list(group.wires)
         for k, name in enumerate(group.names):
             slot = held.get((participant.instance.name, name))
-            if slot is not None:
-                engaged.append((name, wires[k]))
+            if slot is None:
+                continue
+            faulty = next((one for one in participant.faulty if one.slot == wires[k].source), None)
+            if faulty is None:
+                engaged.append((name, wires[k], None))
                 wires[k] = Wire(wires[k].target, slot, 1.0, 0.0)
+            else:
+                engaged.append((name, faulty.at, faulty))
+                faulty.held, faulty.linked = Wire(-1, slot, 1.0, 0.0), True
         groups.append(group._replace(wires=tuple(wires)))
     participant.input_groups = tuple(groups)
     return engaged

@@ -21,7 +21,7 @@ from cosim.engine._log import FAILED
 from cosim.engine._method import Method
 from cosim.engine._participant import Participant
 from cosim.engine._power_meter import PowerMeter
-from cosim.engine._signal_faults import SignalFaults
+from cosim.engine._signal_faults import FaultyInput, SignalFaults
 from cosim.engine._wire import Wire
 
 SMALL = 1e-6
@@ -36,8 +36,9 @@ class Link:
     """A connection between two components that are stepped together.
 
     ``wire`` gives the value of the input, called ``name``, from the signals; what the target gets is the signal
-    ``slot``. ``ahead`` tells that the source is stepped before the target, ``holds_end`` that the input holds the value
-    at the end of a macro step, not the mean, and ``observed`` that all states of the source are compared.
+    ``slot``, or what the faults of ``faulty`` make of it. ``ahead`` tells that the source is stepped before the target,
+    ``holds_end`` that the input holds the value at the end of a macro step, not the mean, and ``observed`` that all
+    states of the source are compared.
     """
 
     wire: Wire
@@ -46,6 +47,7 @@ class Link:
     ahead: bool
     holds_end: bool
     observed: bool
+    faulty: FaultyInput | None = None
 
     def of(self, values: array[float]) -> float:
         """Return what the source makes of the input."""
@@ -170,7 +172,7 @@ class Coupling:
         self.divisor = 2.0**method.accuracy - 1.0
         self.error = 1.0
         self.macro_steps = self.rejected = self.repeated = self.forced = 0
-        slots = {link.slot for link in links}
+        slots = {slot for link in links for slot in (link.slot, link.faulty.slot if link.faulty else link.slot)}
         wires = [wire for member in members for group in member.participant.input_groups for wire in group.wires]
         middles = {line.middle for line in lines}
         self.steady = [wire.source for wire in wires if wire.source not in slots | middles]
@@ -179,7 +181,9 @@ class Coupling:
         self._known_then = [0, 0]
 
     def notice(self) -> None:
-        """Begin the polynomials anew if what drives the members otherwise has changed."""
+        """Begin the polynomials anew if what drives the members otherwise has changed, or what a fault does to them."""
+        if self.faults.clock.changed:
+            self.faults.clock.changed = self.known = 0
         for i, slot in enumerate(self.steady):
             if self.values[slot] != self.was[i]:
                 self.was[i] = self.values[slot]
@@ -248,7 +252,10 @@ class Coupling:
     def _correct(self, participant: Participant, correction: Correction, recording: bool) -> None:
         values = self.values
         for k, i in enumerate(correction.links):
-            correction.seed[k] = self.end[i] - values[self.links[i].slot]
+            end, held = self.end[i], self.links[i].slot
+            if (faulty := self.links[i].faulty) is not None:
+                end, held = self.faults.at_end(faulty, end), faulty.slot
+            correction.seed[k] = end - values[held]
         n = len(correction.slots) if recording else correction.n_connected
         if n == 0:
             return

@@ -10,6 +10,7 @@ from typing import Any
 from cosim.engine import _structures as structures
 from cosim.engine._calls import NUMBERS
 from cosim.engine._coupling import Correction, Coupling, Member
+from cosim.engine._signal_faults import FaultyInput
 from cosim.engine._wire import Wire
 
 _METHODS = {"extrapolated": 0, "iterated": 1, "adaptive": 2}
@@ -19,11 +20,17 @@ _COUNTED = ("known", "macro_steps", "rejected", "repeated", "forced", "wanted", 
 class CouplingTable:
     """The table of a coupling, at ``address``, and all memory that it refers to.
 
-    ``places`` are the addresses of the components by their numbers, ``wire`` makes the table of a wire.
+    ``places`` are the addresses of the components by their numbers, ``wire`` makes the table of a wire, and ``faulty``
+    gives the address of that of an input with faults.
     """
 
     def __init__(
-        self, coupling: Coupling, places: Mapping[int, int], wire: Callable[[Wire], structures.Wire], parts: int
+        self,
+        coupling: Coupling,
+        places: Mapping[int, int],
+        wire: Callable[[Wire], structures.Wire],
+        faulty: Callable[[FaultyInput], int],
+        parts: int,
     ) -> None:
         """Fill in the table."""
         self._coupling = coupling
@@ -31,7 +38,14 @@ class CouplingTable:
         self._places = places
         keep = self._keep
         links = [
-            structures.Link(wire(link.wire), link.slot, link.ahead, link.holds_end, link.observed, 0)
+            structures.Link(
+                wire(link.wire),
+                link.slot,
+                faulty(link.faulty) if link.faulty else None,
+                link.ahead,
+                link.holds_end,
+                link.observed,
+            )
             for link in coupling.links
         ]
         members = [self._member(member) for member in coupling.members]

@@ -36,6 +36,7 @@ class FaultMemory:
         if rest:
             raise ValueError("too long")
         self._clock.time, self._clock.next = clock.time, clock.next
+        self._clock.changed = bool(clock.changed)
         self._clock.stepping = self._clock.full = 0
 
 

@@ -179,14 +179,17 @@ def endless(plan: Plan) -> CallError:
 def check_numbers(plan: Plan) -> None:
     """Raise CallError for the component that has put NaN into the signals, a continuous one before those it feeds."""
     bad: dict[str, str] = {}
-    for (name, variable), value in zip(plan.ends, plan.values, strict=False):
-        if isnan(value):
-            bad.setdefault(name, variable)
+    faulty = {one.slot for one in plan.faults.inputs}
+    for slot, ((name, variable), value) in enumerate(zip(plan.ends, plan.values, strict=False)):
+        if isnan(value) and slot in faulty:
+            bad[name] = f"input {variable}, as its faults make it,"
+        elif isnan(value):
+            bad.setdefault(name, f"output {variable}")
     for participant in [*plan.continuous, *plan.discrete]:
         name = participant.instance.name
         if name in bad:
             raise CallError(
                 participant.instance,
-                f"its output {bad[name]} is not a number (NaN)",
+                f"its {bad[name]} is not a number (NaN)",
                 "check its parameters and its inputs at that time, or try another tolerance",
             )

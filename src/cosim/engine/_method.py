@@ -65,20 +65,16 @@ class Method:
 
 
 def links_of(system: System, roles: Mapping[str, Role], output_interval: float) -> list[Connection]:
-    """Return the connections over which continuous components that take steps of any length act on each other.
-
-    Inputs with faults are not among them: they hold what they get.
-    """
+    """Return the connections over which continuous components that take steps of any length act on each other."""
     free = {
         component.name: component.fmu
         for component in system.components
         if roles[component.name] is Role.CONTINUOUS and fixed_step_of(component, output_interval) == math.inf
     }
-    faulty = {fault.target for fault in system.faults}
     links: list[Connection] = []
     for connection in system.connections:
         (source, output), (target, name) = connection.source, connection.target
-        if source not in free or target not in free or source == target or connection.target in faulty:
+        if source not in free or target not in free or source == target:
             continue
         variable = free[source].variables[output]
         if (variable.type, free[target].variables[name].type) == ("Real", "Real") and variable.variability not in (

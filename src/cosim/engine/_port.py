@@ -6,6 +6,7 @@ import math
 from array import array
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from ctypes import Array, c_double, c_uint
+from sys import float_info
 from typing import Any, NamedTuple
 
 from cosim.engine._instance import Access, Call, CallError
@@ -145,7 +146,7 @@ class Port:
             inputs[target] = value
         self._nudged = {wire.target: (inputs[wire.target], group) for wire, _, group, _ in moved}
         width = min(
-            _NUDGE * (max(abs(inputs[wire.target]), variable.nominal or 0.0) or 1.0) / abs(rate)
+            max(_NUDGE * (max(abs(inputs[wire.target]), variable.nominal or 0.0) or 1.0) / abs(rate), float_info.min)
             for wire, variable, _, rate in moved
         )
         for wire, _, _, rate in moved:

@@ -14,6 +14,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Sequence
 from math import inf
+from sys import float_info
 
 from cosim.engine._channels import Line
 from cosim.engine._fault import KINDS, Fault
@@ -212,7 +213,8 @@ class FaultyInput:
     """An input with faults: its signal ``slot``, and where what drives it lies.
 
     ``at`` reads what drives it at a communication point, ``held`` in a step between two; both differ for a linear
-    channel, which is ``line``. ``triggers`` tells that a change of it is an event for a component with event mode.
+    channel, which is ``line``, and for a ``linked`` input: one of a component that is stepped together with its source.
+    ``triggers`` tells that a change of it is an event for a component with event mode.
     """
 
     def __init__(
@@ -224,11 +226,12 @@ class FaultyInput:
         self.line = line
         self.faults = faults
         self.triggers = triggers
+        self.linked = False
 
     def slope(self, values: Sequence[float]) -> float:
         """Return how it changes with what drives it, at t = 0."""
         given = self.at.translated(values[self.at.source])
-        width = _NUDGE * (abs(given) or 1.0)
+        width = max(_NUDGE * (abs(given) or 1.0), float_info.min)
         return self.at.factor * (self._faulty(given + width, 0.0) - self._faulty(given, 0.0)) / width
 
     def _faulty(self, value: float, t: float) -> float:
@@ -238,12 +241,16 @@ class FaultyInput:
 
 
 class SignalFaults:
-    """All faulty inputs of a run. ``clock.next`` is the next instant [s] at which a fault does something."""
+    """All faulty inputs of a run.
+
+    ``clock.next`` is the next instant [s] at which a fault does something; ``clock.changed`` tells that one has, to a
+    linked input.
+    """
 
     def __init__(self, inputs: Sequence[FaultyInput], values: array[float]) -> None:
         """Start before t = 0."""
         self.inputs = list(inputs)
-        self.clock = FaultClock(0.0, inf, 0, 0)
+        self.clock = FaultClock(next=inf)
         self._values = values
 
     @property
@@ -263,7 +270,13 @@ class SignalFaults:
 
     def begin_step(self, now: float, h: float) -> None:
         """From now [s] on inputs are asked for a step over h [s], in which they act with their values in the middle."""
-        self.clock.time, self.clock.stepping = now + 0.5 * h, 1
+        self.clock.time, self.clock.until, self.clock.stepping = now + 0.5 * h, now + h, 1
+
+    def at_end(self, one: FaultyInput, given: float) -> float:
+        """Return what an input would get at the end of the step, from a value of what drives it."""
+        for fault in one.faults:
+            given = fault.output(given, self.clock.until)
+        return given
 
     def arrive(self, t: float) -> None:
         """Go to t [s], the signals being what has led there."""
@@ -273,6 +286,8 @@ class SignalFaults:
             for fault in one.faults:
                 given = value
                 value = fault.output(given, t, before=True)
+                if one.linked and t >= fault.state.next - SAME_INSTANT:
+                    self.clock.changed = 1
                 fault.go_to(t, given)
 
     def settle(self, t: float) -> None:
@@ -284,7 +299,8 @@ class SignalFaults:
                 given = value
                 value = fault.output(given, t)
                 fault.settle(t, given)
-                following = min(following, fault.next_instant(t))
+                fault.state.next = fault.next_instant(t)
+                following = min(following, fault.state.next)
                 if not fault.make_room():
                     fault.grow()
             self._values[one.slot] = value

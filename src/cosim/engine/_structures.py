@@ -56,11 +56,12 @@ class FaultState(Structure):
     """Where a fault is; see engine.h."""
 
     _fields_ = [
-        ("kept", c_double),
+        *((name, c_double) for name in ("kept", "next")),
         *((name, c_int64) for name in ("period", "first", "count", "jump")),
         *((name, c_int32) for name in ("active", "passing")),
     ]
     kept: float
+    next: float
     period: int
     first: int
     count: int
@@ -86,17 +87,23 @@ class FaultyInput(Structure):
         ("line", c_void_p),
         ("faults", c_void_p),
         ("n_faults", c_int64),
+        ("linked", c_int64),
     ]
 
 
 class FaultClock(Structure):
     """Of all faulty inputs: what their faults are asked for, and when the next one does something; see engine.h."""
 
-    _fields_ = [("time", c_double), ("next", c_double), ("stepping", c_int32), ("full", c_int32)]
+    _fields_ = [
+        *((name, c_double) for name in ("time", "until", "next")),
+        *((name, c_int32) for name in ("stepping", "full", "changed", "unused")),
+    ]
     time: float
+    until: float
     next: float
     stepping: int
     full: int
+    changed: int
 
 
 class Trigger(Structure):
@@ -124,6 +131,7 @@ class Link(Structure):
     _fields_ = [
         ("wire", Wire),
         ("slot", c_int64),
+        ("faulty", c_void_p),
         *((name, c_int32) for name in ("ahead", "holds_end", "observed", "unused")),
     ]
 

@@ -53,7 +53,9 @@ class Tables:
         self._texts = (structures.Text * (len(values) - plan.first_text))()
         places = {component.number: addressof(component) for component in (*self._discrete, *self._continuous)}
         self._coupling = (
-            CouplingTable(plan.coupling, places, self._wire, method.parts) if plan.coupling is not None else None
+            CouplingTable(plan.coupling, places, self._wire, self._faulty_place, method.parts)
+            if plan.coupling is not None
+            else None
         )
         self.engine = structures.Engine.from_buffer(record.header)
         _fill(
@@ -146,8 +148,7 @@ class Tables:
             n_faulty=len(participant.faulty),
         )
         if participant.faulty:
-            first = self._plan.faults.inputs.index(participant.faulty[0])
-            component.faulty = addressof(self._faulty) + first * sizeof(structures.FaultyInput)
+            component.faulty = self._faulty_place(participant.faulty[0])
         if participant.role is Role.EVENT:
             component.enter_event_mode = instance.pointer("EnterEventMode")
             component.enter_step_mode = instance.pointer("EnterStepMode")
@@ -200,6 +201,9 @@ class Tables:
         self.groups.append(group)
         return len(self.groups) - 1
 
+    def _faulty_place(self, one: FaultyInput) -> int:
+        return addressof(self._faulty) + self._plan.faults.inputs.index(one) * sizeof(structures.FaultyInput)
+
     def _faulty_input(self, one: FaultyInput) -> structures.FaultyInput:
         faults = (structures.SignalFault * len(one.faults))(*map(self._signal_fault, one.faults))
         self._delays += [(fault, structure) for fault, structure in zip(one.faults, faults, strict=True)]
@@ -207,7 +211,7 @@ class Tables:
         if one.line is not None:
             line = addressof(self._lines) + self._plan.lines.index(one.line) * sizeof(structures.Line)
         at, held = self._wire(one.at), self._wire(one.held)
-        return structures.FaultyInput(at, held, one.slot, line, self._keep(faults), len(faults))
+        return structures.FaultyInput(at, held, one.slot, line, self._keep(faults), len(faults), one.linked)
 
     def _signal_fault(self, fault: SignalFault) -> structures.SignalFault:
         return structures.SignalFault(

@@ -20,8 +20,12 @@ static inline void enter_member(Engine *engine, const Member *member, CalledFunc
     if (WATCHED) engine->at.call = (Call){member->component->number, member->numbers[function - SAVE]};
 }
 
-/* The polynomials begin anew if what drives the members otherwise has changed. */
+/* The polynomials begin anew if what drives the members otherwise has changed, or what a fault does to them. */
 static void notice(const Engine *engine, Coupling *c) {
+    if (engine->n_faulty > 0 && engine->fault_clock->changed) {
+        engine->fault_clock->changed = false;
+        c->known = 0;
+    }
     for (int64_t i = 0; i < c->n_steady; i++) {
         const double value = engine->values[c->steady[i]];
         if (value != c->was[i]) {
@@ -69,7 +73,9 @@ static bool correct(Engine *engine, Coupling *c, const Member *member, bool reco
     const int64_t n = correction->n_slots[recording];
     for (int64_t k = 0; k < correction->n_links; k++) {
         const int64_t i = correction->links[k];
-        correction->seed[k] = c->end[i] - engine->values[c->links[i].slot];
+        const FaultyInput *input = c->links[i].faulty;
+        correction->seed[k] = input ? faulty_at_end(engine, input, c->end[i]) - engine->values[input->slot]
+                                    : c->end[i] - engine->values[c->links[i].slot];
     }
     if (n == 0) return true;
     const size_t inputs = (size_t)correction->n_links, outputs = (size_t)n;

@@ -83,6 +83,7 @@ typedef struct {
 /* What changes of a fault while a run goes on. */
 typedef struct {
     double kept;            /* the value that a frozen or dropped signal keeps */
+    double next;            /* instant at which it does something */
     int64_t period;         /* the present one of its random numbers, -1 before it looks at the signal */
     int64_t first, count;   /* of the points in use, the first, and the first behind them */
     int64_t jump;           /* no step of the signal before this point is still to come out of the delay */
@@ -107,21 +108,25 @@ typedef struct {
 typedef struct Line Line;
 
 /* An input with faults reads the signal `slot`. What drives it is at `at` at a communication point, at `held` in a step
- * between two; both differ for a linear channel. */
+ * between two; both differ for a linear channel and a linked input. */
 typedef struct {
     Wire at, held;
     int64_t slot;
     const Line *line;
     const SignalFault *faults;
     int64_t n_faults;
+    int64_t linked; /* its component is stepped together with what drives it */
 } FaultyInput;
 
 /* Of all faulty inputs. */
 typedef struct {
     double time;      /* for which they are asked */
+    double until;     /* the end of a step */
     double next;      /* instant at which a fault does something */
     int32_t stepping; /* in a step, of which `time` is the middle */
     int32_t full;     /* a history needs more memory before the next macro step */
+    int32_t changed;  /* a fault has done something to a linked input */
+    int32_t unused;
 } FaultClock;
 
 /* A change of this signal is an event for the component, even between its own events. */
@@ -210,7 +215,8 @@ typedef struct {
 /* A connection between two components that are stepped together; see cosim/engine/_coupling.py for all of this. */
 typedef struct {
     Wire wire;        /* gives the value of the input from the signals */
-    int64_t slot;     /* of the signal that the target gets in its place */
+    int64_t slot;     /* of the signal that the target gets in its place, */
+    const FaultyInput *faulty; /* or what faults make of that */
     int32_t ahead;    /* the source is stepped before the target */
     int32_t holds_end; /* the target holds the value at the end of a step, not the mean */
     int32_t observed; /* all states of the source are compared */

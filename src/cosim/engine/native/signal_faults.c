@@ -91,7 +91,15 @@ RARE void refresh(Engine *engine, const FaultyInput *inputs, int64_t count) {
 /* Over a step inputs act with their values in its middle. */
 static void begin_faulty_step(Engine *engine, double now, double h) {
     engine->fault_clock->time = now + 0.5 * h;
+    engine->fault_clock->until = now + h;
     engine->fault_clock->stepping = true;
+}
+
+/* What an input would get at the end of the step, from a value of what drives it. */
+static double faulty_at_end(const Engine *engine, const FaultyInput *input, double given) {
+    const double until = engine->fault_clock->until;
+    for (int64_t i = 0; i < input->n_faults; i++) given = faulty(&input->faults[i], given, until, false);
+    return given;
 }
 
 /* Begin, end, or go on to the period that begins at t; `given` is the signal that has led to t. */
@@ -128,6 +136,7 @@ RARE void arrive_faults(Engine *engine, double t) {
         for (const SignalFault *fault = input->faults; fault < input->faults + input->n_faults; fault++) {
             const double given = value;
             value = faulty(fault, given, t, true);
+            if (input->linked && t >= fault->state->next - SAME_INSTANT) engine->fault_clock->changed = true;
             go_to(fault, t, given);
         }
     }
@@ -167,7 +176,8 @@ RARE void settle_faults(Engine *engine, double t) {
                 state->kept = given;
                 state->passing = false;
             }
-            next = fmin(next, next_instant(fault, t));
+            state->next = next_instant(fault, t);
+            next = fmin(next, state->next);
         }
         engine->values[input->slot] = value;
         engine->not_a_number |= isnan(value);
