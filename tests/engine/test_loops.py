@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from algebraic_loops import Blocks, initialized, wired
 from both_loops import simulate
-from fmu_builder import INTEGRATOR, build, build_first
+from fmu_builder import INTEGRATOR, MODELS, build, build_first, edited
 from scipy.optimize import brentq
 
 from cosim.engine import Fault, FaultKind, Fmu, PartialResultError, System, explain_timing
@@ -216,6 +216,33 @@ def test_a_wrong_statement_on_dependencies_is_noticed(blocks: Blocks) -> None:
     )
     expected = (1.0 + 3.0 + 9.0) / (1.0 - 27.0)
     assert initialized(chain).values["c.affine"] == pytest.approx(expected, **EXACT)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("lie", ["", "WRONG_DERIVATIVE", "OPPOSITE_DERIVATIVE"])
+def test_wrong_derivatives(
+    blocks: Blocks, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, version: int, lie: str
+) -> None:
+    """y = 2 u1 + u1 u2 with u1 = 1/2, and u2 = 6 y + 1: directional derivatives are a help, not a condition."""
+    monkeypatch.setenv("CHECKED_LIE", lie)
+    path = build(MODELS["checked"], version, tmp_path, defines=("CHECKED",))
+    claim = f'<CoSimulation providesDirectionalDerivative{"s" * (version - 2)}="true" '
+    copy = edited(path, tmp_path / "claiming.fmu", lambda text: text.replace("<CoSimulation ", claim))
+    with Fmu.read(copy) as checked:
+        system = wired({"a": (checked, {}), "b": (blocks.plain(), {"k": 6.0, "b": 1.0})}, "a.y b.u", "b.affine a.u2")
+        found = initialized(system)
+    assert found.values["a.y"] == pytest.approx(-0.75, **EXACT)
+    assert found.calls["a"]["GetDirectionalDerivative"] > 0
+
+
+def test_derivatives_that_are_claimed_but_not_given(tmp_path: Path) -> None:
+    path = build(INTEGRATOR, 2, tmp_path)
+    claim = '<CoSimulation providesDirectionalDerivative="true" '
+    copy = edited(path, tmp_path / "claiming.fmu", lambda text: text.replace("<CoSimulation ", claim))
+    with Fmu.read(copy) as claiming:
+        found = initialized(wired({"a": (claiming, {"offset": 1.0}), "b": (claiming, {})}, "a.y b.u", "b.y a.u 3"))
+    assert found.values["a.y"] == pytest.approx(-0.5, **EXACT)
+    assert found.calls["a"]["GetDirectionalDerivative"] == 1
 
 
 @pytest.mark.parametrize("gain", [0.3, 3.3])

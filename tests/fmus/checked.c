@@ -68,6 +68,7 @@ static int step(Model *m, double h) {
 static double slope(const Model *m, unsigned unknown, unsigned known) {
     const double *v = m->v;
     if (unknown == Y && known == U1) return v[GAIN] + v[U2];
+    if (unknown == Y && known == U2 && lies("OPPOSITE_DERIVATIVE")) return -v[U1];
     if (unknown == Y && known == U2) return lies("WRONG_DERIVATIVE") ? 1.01 * v[U1] : v[U1];
     if (unknown == Z && known == U2) return v[U2] < 0.0 ? -1.0 : 1.0;
     return 0.0;

@@ -55,14 +55,6 @@ class Loop:
         return " -> ".join(f"{dotted(c.source)} -> {dotted(c.target)}" for c in self.shortest)
 
 
-def continuous_loops(system: System, roles: Mapping[str, Role]) -> tuple[tuple[Connection, ...], ...]:
-    """Return the algebraic loops among the continuous components of a checked system while they are stepped.
-
-    Each is given as its connections, in the order of the way round.
-    """
-    return tuple(loop.connections for loop in loops(system, roles, Phase.TIME))
-
-
 def loops(system: System, roles: Mapping[str, Role], phase: Phase) -> list[Loop]:
     """Return the algebraic loops of a checked system, each before those that it leads to."""
     at = phase is Phase.INITIALIZATION
