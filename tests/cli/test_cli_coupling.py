@@ -70,7 +70,7 @@ def test_a_table_of_what_is_not(cosim: Cosim, scenario: Path, account: Callable[
         "a.x -> b.x          -0.001 s        0 m       0 %         h^1",
         "b.ratio -> d.ratio            not known",
         "not estimated: d takes steps of 0.1 s only",
-        "b.y, behind b.x, is off by 5 % of its range",
+        "b.y, which is not handed on, is off by 5 % of its range",
         "2 more connections are sampled, without such an error",
     ]
     assert json.loads(Path("results/x/summary.json").read_text())["coupling"] == found

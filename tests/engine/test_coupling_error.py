@@ -25,6 +25,7 @@ from cosim.engine import (
     explain_timing,
     simulate,
 )
+from cosim.errors import InputError
 
 Get = Callable[..., Fmu]
 HELD: list[dict[str, Any]] = [{"algorithm": "gauss-seidel"}, {"algorithm": "jacobi", "step": 0.005}]
@@ -196,6 +197,36 @@ def test_a_second_run_that_fails_is_no_failure(fmu: Get, monkeypatch: pytest.Mon
         "not estimated: with shorter intervals, the simulation failed at t = 0.06 s: f (integrator): "
     )
     assert only(result)["error"] is None
+
+
+@pytest.mark.parametrize("error", [InputError("there is not enough memory"), KeyboardInterrupt()])
+def test_a_second_run_that_does_not_start_is_no_failure(
+    fmu: Get, monkeypatch: pytest.MonkeyPatch, error: BaseException
+) -> None:
+    from cosim.engine import _simulate
+
+    first = _simulate._run_here
+
+    def run_once(*arguments: Any) -> Any:  # noqa: ANN401
+        monkeypatch.setattr(_simulate, "_run_here", refuse)
+        return first(*arguments)
+
+    def refuse(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(_simulate, "_run_here", run_once)
+    system = one_way(fmu("integrator"), fmu("integrator"))
+    arguments: dict[str, Any] = {"stop": 1.0, "output_interval": 0.1, "tolerance": 1e-6, "algorithm": "gauss-seidel"}
+    if isinstance(error, InputError):
+        result = simulate(system, **arguments)
+        assert only(result)["note"] == "not estimated: the second run cannot be made: there is not enough memory"
+    else:
+        with pytest.raises(SimulationInterrupted) as caught:
+            simulate(system, **arguments)
+        result = caught.value.result
+        assert only(result)["note"] == "not estimated: interrupted"
+    assert result.complete
+    assert len(result.time) == 11
 
 
 def test_an_interruption_of_the_second_run_keeps_the_first(fmu: Get) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import Any
 
 from cosim.cli._screen import Screen
@@ -32,7 +32,8 @@ def show_coupling(summary: Mapping[str, Any], screen: Screen) -> None:
         table.add_row(f"{entry['source']} -> {entry['target']}", *_cells(entry))
     Console().print(table, highlight=False)
     others = [note for note in dict.fromkeys(entry["note"] for entry in inexact) if note]
-    others += [text for entry in inexact[:_SHOWN] if (text := _carried_on(entry))]
+    sources = {entry["source"] for entry in inexact}
+    others += dict.fromkeys(text for entry in inexact[:_SHOWN] if (text := _carried_on(entry, sources)))
     if len(inexact) > _SHOWN:
         others.append(f"{len(inexact) - _SHOWN} more connections are in summary.json")
     if len(inexact) < len(entries):
@@ -65,9 +66,15 @@ def _cells(entry: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def _carried_on(entry: Mapping[str, Any]) -> str:
-    """Tell of a signal that is right itself, but not what its target makes of it."""
+def _carried_on(entry: Mapping[str, Any], sources: Container[str]) -> str:
+    """Tell of a signal that is right itself, but not what its target makes of it, if that has no line of its own."""
     worst = entry["target_outputs"]
-    if not worst or not worst["relative"] or entry["relative"] is None or worst["relative"] <= 2.0 * entry["relative"]:
+    if (
+        not worst
+        or worst["output"] in sources
+        or not worst["relative"]
+        or entry["relative"] is None
+        or worst["relative"] <= 2.0 * entry["relative"]
+    ):
         return ""
-    return f"{worst['output']}, behind {entry['target']}, is off by {100.0 * worst['relative']:.2g} % of its range"
+    return f"{worst['output']}, which is not handed on, is off by {100.0 * worst['relative']:.2g} % of its range"

@@ -25,7 +25,7 @@ from cosim.engine._result import PartialResultError, Result, SimulationInterrupt
 from cosim.engine._resume import Saving, check_can_save, check_resume, check_times
 from cosim.engine._supervisor import Limits
 from cosim.engine._system import System
-from cosim.errors import FmuWarning
+from cosim.errors import CosimError, FmuWarning
 
 
 def simulate(
@@ -148,7 +148,12 @@ def _estimate(
         return no_estimate("nothing to tell")
     if job.saving and job.saving.resume:
         return no_estimate("the run was resumed, and what had built up before is not known")
-    fine, second = run(replace(job, saving=None))
+    try:
+        fine, second = run(replace(job, saving=None))
+    except CosimError as error:
+        return no_estimate(f"the second run cannot be made: {error}")
+    except KeyboardInterrupt:
+        return replace(no_estimate("interrupted"), interrupted=True)
     ending.statistics["second_wall_s"] = second.statistics.get("wall_s")
     return companion.compare(layout, record, fine, second)
 
