@@ -32,6 +32,7 @@ from cosim.engine import (
     Fmu,
     PartialResultError,
     Result,
+    SimulationInterrupted,
     System,
     simulate,
 )
@@ -233,6 +234,54 @@ def test_what_was_written_before_a_crash_is_of_use(fmu: Get, saving: Get, tmp_pa
             simulate(broken, resume=Checkpoint.load(folder / "checkpoint_0.03s.cosim"), **RUN)
         assert str(repeated.value) == str(caught.value)
         same(repeated.value.result, caught.value.result)
+
+
+def test_a_process_that_dies_leaves_its_checkpoints(saving: Get, tmp_path: Path) -> None:
+    """Also of an earlier run none of the same name remains."""
+    system = System([Component("f", saving("crash"))])
+    for at in (0.03, 0.09):
+        simulate(system, checkpoint_at=[0.0], **RUN).checkpoints[0].save(tmp_path / Checkpoint.file_name(at))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CRASH", "DoStep segmentation")
+        with pytest.raises(PartialResultError, match=r"at t = 0.04 s: f \(crash\): crashed in fmi3DoStep") as caught:
+            simulate(system, checkpoint_at=[0.03, 0.09], checkpoint_to=tmp_path, isolate="always", **RUN)
+    assert [checkpoint.time for checkpoint in caught.value.result.checkpoints] == [0.03]
+    assert [path.name for path in tmp_path.iterdir()] == ["checkpoint_0.03s.cosim"]
+    same(simulate(system, resume=caught.value.result.checkpoints[0], **RUN), simulate(system, **RUN))
+
+
+@pytest.mark.parametrize(("version", "name"), [(2, "fmi2SerializeFMUstate"), (3, "fmi3SerializeFMUState")])
+def test_a_process_that_dies_of_a_checkpoint(saving: Get, version: int, name: str, tmp_path: Path) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CRASH", "Serialize segmentation")
+        with pytest.raises(PartialResultError) as caught:
+            system = System([Component("f", saving("crash", version))])
+            simulate(system, checkpoint_at=[0.03], checkpoint_to=tmp_path, isolate="always", **RUN)
+    assert f"the simulation failed at t = 0.03 s: f (crash): crashed in {name}, with SIGSEGV" in str(caught.value)
+    assert len(caught.value.result.time) == 4
+    assert caught.value.result.checkpoints == ()
+
+
+@pytest.mark.parametrize("loop", LOOPS)
+def test_an_interruption_keeps_them(saving: Get, loop: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(_: float) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setenv("COSIM_ENGINE", loop)
+    system = feedback(saving)
+    run = RUN | {"stop": 100.0}
+    with pytest.raises(SimulationInterrupted) as caught:
+        simulate(system, checkpoint_at=[0.0], progress=interrupt, **run)
+    (checkpoint,) = caught.value.result.checkpoints
+    assert checkpoint.time == 0.0
+    same(simulate(system, resume=checkpoint, **run), simulate(system, **run))
+
+
+def test_infinite_numbers(saving: Get, tmp_path: Path) -> None:
+    system = System([Component("plant", saving("integrator"), {"offset": math.inf})])
+    saved = simulate(system, checkpoint_at=[0.05], **RUN)
+    assert saved.columns["plant.y"][0] == math.inf
+    same(simulate(system, resume=again(saved.checkpoints[0], tmp_path), **RUN), saved)
 
 
 # what may be changed

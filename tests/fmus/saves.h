@@ -39,6 +39,7 @@ STATUS NAME(SerializedFMUstateSize, SerializedFMUStateSize)(INSTANCE c, STATE st
     return OK;
 }
 STATUS NAME(SerializeFMUstate, SerializeFMUState)(INSTANCE c, STATE state, BYTE bytes[], size_t size) {
+    AT("Serialize");
     Model model = *(Model *)state;
     model.environment = model.logger = NULL;
     memcpy(bytes, &model, size);

@@ -25,7 +25,7 @@ from cosim.engine._native import run_native
 from cosim.engine._parameters import parameters_of
 from cosim.engine._plan import Plan, make_plan, roles_of
 from cosim.engine._record import Record, failure_message
-from cosim.engine._resume import NotWrittenError, Saving, apply, restore, save
+from cosim.engine._resume import NotWrittenError, Saving, apply, forget, restore, save
 from cosim.engine._role import Role
 from cosim.engine._setup import Setting
 from cosim.engine._system import Component, System
@@ -142,10 +142,12 @@ def execute(job: Job, plan: Plan, record: Record, progress: Callable[[float], No
     clock = Clock()
     ending = Ending({})
     broken: Instance | None = None
+    saving = job.saving
     try:
+        if saving is not None:
+            forget(saving)
         ending.remarks = begin(job, plan, record)
         clock.start()
-        saving = job.saving
         for at in saving.at if saving else ():
             simulate_to(at, job, plan, record, progress)
             clock.stop()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -115,6 +116,15 @@ def _unfit() -> InputError:
 
 class NotWrittenError(Exception):
     """The file of a checkpoint cannot be written; the text says which, and why."""
+
+
+def forget(saving: Saving) -> None:
+    """Remove the files that a run is to write, so that none of an earlier run is taken for its own."""
+    if saving.folder is None:
+        return
+    for at in saving.at:
+        with suppress(OSError):  # of which there will be more when the file is to be written
+            (saving.folder / Checkpoint.file_name(at)).unlink(missing_ok=True)
 
 
 def save(
