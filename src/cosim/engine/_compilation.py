@@ -45,7 +45,7 @@ def file_name(platform: str) -> str:
 
 def units() -> list[Path]:
     """Return the files that are compiled; the others are included by them."""
-    return [SOURCES.resolve() / name for name in ("engine.c", "watched.c")]
+    return [SOURCES.resolve() / name for name in ("engine.c", "watched.c", "plain.c")]
 
 
 def includes() -> list[str]:

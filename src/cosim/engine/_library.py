@@ -93,7 +93,7 @@ def _built(path: Path) -> Path:
 
 def _opened(path: Path) -> ctypes.CDLL:
     library = ctypes.CDLL(str(path))
-    for run in (library.cosim_run, library.cosim_run_watched):
+    for run in (library.cosim_run, library.cosim_run_watched, library.cosim_run_plain):
         run.argtypes = [POINTER(Engine), c_double]
         run.restype = c_int
     library.cosim_set_text.argtypes = [POINTER(Engine), c_int64, c_char_p, c_size_t]

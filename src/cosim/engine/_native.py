@@ -38,6 +38,16 @@ _PIECE = 0.1
 """Wall time [s] after which Python looks whether the user wants to interrupt."""
 
 
+def _loop_for(plan: Plan, method: Method, pause: float) -> str:
+    """Return which of the three loops does it; they differ in what they are able to."""
+    instances = [participant.instance for participant in (*plan.discrete, *plan.continuous)]
+    if any(instance.site.watched for instance in instances):
+        return "cosim_run_watched"
+    divided = method.parts > 1 or (method.step is not None and not method.is_fixed)
+    besides = plan.coupling is not None or plan.faults.inputs or plan.power.bonds or pause < inf
+    return "cosim_run" if divided or besides or not all(i.no_return.value for i in instances) else "cosim_run_plain"
+
+
 def run_native(
     library: ctypes.CDLL,
     plan: Plan,
@@ -49,8 +59,7 @@ def run_native(
     """Do what ``run`` does, or ``run_jacobi`` if the method asks for it, with the same numbers, bit for bit."""
     tables = Tables(plan, record, method, pause)
     engine = tables.engine
-    watched = any(participant.instance.site.watched for participant in (*plan.discrete, *plan.continuous))
-    go_on = library.cosim_run_watched if watched else library.cosim_run
+    go_on = getattr(library, _loop_for(plan, method, pause))
     limit = 0.0 if progress is not None else _PIECE
     outcome = _UNFINISHED
     try:

@@ -110,7 +110,7 @@ static bool load(Engine *engine, const Component *component, const Group *group,
 
 /* Doubles are set and read where they lie. */
 OFTEN bool write_inputs(Engine *engine, const Component *component) {
-    if (component->n_faulty > 0) refresh(engine, component->faulty, component->n_faulty);
+    if (ANY(component->n_faulty)) refresh(engine, component->faulty, component->n_faulty);
     const double *const values = engine->values;
     const Group *const end = component->inputs + component->n_inputs;
     for (const Group *group = component->inputs; group < end; group++) {
@@ -147,7 +147,7 @@ OFTEN bool read_outputs(Engine *engine, Component *component, bool recording) {
 }
 
 static inline bool triggered(Engine *engine, const Component *component) {
-    if (component->n_triggers > 0 && component->n_faulty > 0) refresh(engine, component->faulty, component->n_faulty);
+    if (component->n_triggers > 0 && ANY(component->n_faulty)) refresh(engine, component->faulty, component->n_faulty);
     for (int64_t i = 0; i < component->n_triggers; i++) {
         const Trigger *trigger = &component->triggers[i];
         if (handed_on(&trigger->wire, engine->values) != *trigger->input) return true;

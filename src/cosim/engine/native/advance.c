@@ -10,7 +10,7 @@ static bool advance(Engine *engine, double now, double t, bool recording) {
         if (component->due < INFINITY && !begin_fixed_step(engine, component, now)) return false;
     }
     if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
-    if (engine->n_faulty > 0) begin_faulty_step(engine, now, h);
+    if (ANY(engine->n_faulty)) begin_faulty_step(engine, now, h);
     for (Component *component = engine->continuous; component < end; component++) {
         if (component->due < INFINITY) {
             if (!end_fixed_step(engine, component, t)) return false;
@@ -21,7 +21,7 @@ static bool advance(Engine *engine, double now, double t, bool recording) {
             return false;
         }
     }
-    if (engine->n_bonds > 0) end_power(engine, h);
+    if (ANY(engine->n_bonds)) end_power(engine, h);
     if (engine->n_lines > 0) set_lines(engine, t);
     return true;
 }
@@ -61,7 +61,7 @@ static bool advance_coupled(Engine *engine, Coupling *c, double t, bool recordin
         return false;
     }
     if (engine->n_lines > 0) set_middles(engine, now + 0.5 * (t - now));
-    if (engine->n_faulty > 0) begin_faulty_step(engine, now, t - now);
+    if (ANY(engine->n_faulty)) begin_faulty_step(engine, now, t - now);
     for (int64_t i = 0; i < c->n_others; i++) {
         Component *const component = c->others[i];
         if (component->due < INFINITY) {
@@ -77,6 +77,7 @@ static bool advance_coupled(Engine *engine, Coupling *c, double t, bool recordin
 
 static bool advance_in_steps(Engine *engine, double t, bool recording) {
     const double now = engine->at.now;
+    if (PLAIN) return advance(engine, now, t, recording);
     if (engine->coupling) {
         const int64_t before = engine->coupling->macro_steps;
         if (!advance_coupled(engine, engine->coupling, t, recording)) return false;

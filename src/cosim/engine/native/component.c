@@ -20,13 +20,15 @@ OFTEN bool check(Engine *engine, const Component *component, CalledFunction func
 OFTEN bool do_step(Engine *engine, Component *component, double t, double h) {
     component->steps++;
     enter(engine, component, DO_STEP);
+    const bool no_return = PLAIN || component->no_return;
     if (component->plain_step) {
-        return check(engine, component, DO_STEP, ((DoStep2)component->do_step)(component->instance, t, h, component->no_return));
+        const Status status = ((DoStep2)component->do_step)(component->instance, t, h, no_return);
+        return check(engine, component, DO_STEP, status);
     }
     bool event = false, terminate = false, early = false;
     double reached;
     const Status status =
-        ((DoStep3)component->do_step)(component->instance, t, h, component->no_return, &event, &terminate, &early, &reached);
+        ((DoStep3)component->do_step)(component->instance, t, h, no_return, &event, &terminate, &early, &reached);
     if (status >= FAILED) return check(engine, component, DO_STEP, status);
     component->event_needed = event;
     if (terminate) return fail(engine, component, ASKS_TO_END);

@@ -96,7 +96,7 @@ static bool correct(Engine *engine, Coupling *c, const Member *member, bool reco
 static bool take(Engine *engine, Coupling *c, double t, double h, bool recording) {
     double *const values = engine->values;
     if (engine->n_lines > 0) set_middles(engine, t + 0.5 * h);
-    if (engine->n_faulty > 0) begin_faulty_step(engine, t, h);
+    if (ANY(engine->n_faulty)) begin_faulty_step(engine, t, h);
     for (const Member *member = c->members; member < c->members + c->n_members; member++) {
         for (int64_t k = 0; k < member->n_links; k++) {
             const int64_t i = member->links[k];
@@ -137,7 +137,7 @@ static bool correct_again(Engine *engine, Coupling *c, bool recording) {
 
 /* The step from t over h stays. */
 static void push(const Engine *engine, Coupling *c, double t, double h) {
-    if (engine->n_bonds > 0) end_power(engine, h);
+    if (ANY(engine->n_bonds)) end_power(engine, h);
     c->times[1] = c->times[0];
     c->times[0] = t;
     if (c->known < 2) c->known++;

@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * The engine is one translation unit, so that the compiler sees through all calls of its inner loop but those of the
- * FMUs; this file is what is compiled, and once more in watched.c.
+ * FMUs; this file is what is compiled, and once more each in watched.c and plain.c.
  */
 #ifndef WATCHED
 #define WATCHED 0
 #endif
+#ifndef PLAIN
+#define PLAIN 0
+#endif
+#define ONCE (!WATCHED && !PLAIN)
+#define ANY(count) (!PLAIN && (count) > 0)
 #define _XOPEN_SOURCE 700
 #include "engine.h"
 
@@ -34,7 +39,7 @@ OFTEN void enter(Engine *engine, const Component *component, CalledFunction func
 #include "adaptive.c"
 #include "advance.c"
 #include "loop.c"
-#if !WATCHED
+#if ONCE
 #include "exchange_calls.c"
 #include "exchange_rodas.c"
 #include "exchange_roots.c"

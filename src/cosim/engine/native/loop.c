@@ -39,7 +39,7 @@ static bool go_on(Engine *engine) {
     Component *const end = engine->discrete + engine->n_discrete;
     const double row = engine->grid[engine->at.row], stop = engine->grid[engine->n_rows - 1];
     double change = next_change(engine);
-    if (engine->n_faulty > 0 && engine->fault_clock->next < change) change = engine->fault_clock->next;
+    if (ANY(engine->n_faulty) && engine->fault_clock->next < change) change = engine->fault_clock->next;
     double due = INFINITY;
     for (const Component *component = engine->discrete; component < end; component++) {
         if (component->due < due) due = component->due;
@@ -60,9 +60,9 @@ static bool go_on(Engine *engine) {
         }
     }
     engine->at.now = t;
-    if (engine->n_faulty > 0) arrive_faults(engine, t);
+    if (ANY(engine->n_faulty)) arrive_faults(engine, t);
     if (exchanging && !(are_numbers(engine) && exchange(engine, t, recording))) return false;
-    if (engine->n_faulty > 0) settle_faults(engine, t);
+    if (ANY(engine->n_faulty)) settle_faults(engine, t);
     engine->at.exchanges += exchanging || engine->coupled;
     return true;
 }
@@ -73,7 +73,7 @@ static bool go_on_jacobi(Engine *engine) {
     const double now = engine->at.now, h = engine->step;
     const double t = (double)engine->at.exchanges * h; /* one at 0, and one at the end of each macro step */
     if (engine->n_lines > 0) set_middles(engine, now + 0.5 * h);
-    if (engine->n_faulty > 0) begin_faulty_step(engine, now, 0.0);
+    if (ANY(engine->n_faulty)) begin_faulty_step(engine, now, 0.0);
     for (Component *component = engine->continuous; component < end; component++) {
         if (!write_inputs(engine, component)) return false;
     }
@@ -84,11 +84,11 @@ static bool go_on_jacobi(Engine *engine) {
     for (Component *component = engine->continuous; component < end; component++) {
         if (!read_outputs(engine, component, recording)) return false;
     }
-    if (engine->n_bonds > 0) end_power(engine, h);
+    if (ANY(engine->n_bonds)) end_power(engine, h);
     if (engine->n_lines > 0) set_lines(engine, t);
-    if (engine->n_faulty > 0) arrive_faults(engine, t);
+    if (ANY(engine->n_faulty)) arrive_faults(engine, t);
     if (next_change(engine) <= t + SAME_INSTANT) apply_changes(engine, t);
-    if (engine->n_faulty > 0) settle_faults(engine, t);
+    if (ANY(engine->n_faulty)) settle_faults(engine, t);
     engine->at.now = t;
     engine->at.exchanges++;
     return are_numbers(engine);
@@ -97,17 +97,19 @@ static bool go_on_jacobi(Engine *engine) {
 static bool start(Engine *engine) {
     engine->started = true;
     engine->at.exchanges = 1;
-    if (engine->n_faulty > 0) arrive_faults(engine, 0.0);
+    if (ANY(engine->n_faulty)) arrive_faults(engine, 0.0);
     if (engine->step > 0.0) apply_changes(engine, 0.0);
     else if (!exchange(engine, 0.0, true)) return false;
-    if (engine->n_faulty > 0) settle_faults(engine, 0.0);
-    begin_power(engine);
+    if (ANY(engine->n_faulty)) settle_faults(engine, 0.0);
+    if (ANY(engine->n_bonds)) begin_power(engine);
     return true;
 }
 
 /* A step of 0 asks for the default algorithm. */
 #if WATCHED
 #define cosim_run cosim_run_watched
+#elif PLAIN
+#define cosim_run cosim_run_plain
 #endif
 EXPORT int cosim_run(Engine *engine, double limit) {
     const double begun = wall_clock();
@@ -126,13 +128,13 @@ EXPORT int cosim_run(Engine *engine, double limit) {
             if (!put_row(engine)) return BROKEN;
             if (engine->at.row == engine->n_rows) return FINISHED;
         }
-        if (engine->at.now >= engine->pause) return PAUSED;
-        if (engine->n_faulty > 0 && !make_room(engine)) return UNFINISHED;
+        if (!PLAIN && engine->at.now >= engine->pause) return PAUSED;
+        if (ANY(engine->n_faulty) && !make_room(engine)) return UNFINISHED;
         if (!(jacobi ? go_on_jacobi(engine) : go_on(engine))) return BROKEN;
     }
 }
 
-#if !WATCHED
+#if ONCE
 /* Sizes of the structures, so that whoever fills them in can check that he means the same. */
 EXPORT void cosim_sizes(int64_t *sizes) {
     const size_t known[] = {

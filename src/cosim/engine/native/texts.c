@@ -34,7 +34,7 @@ static bool put_text(Engine *engine, int64_t slot, const char *bytes, size_t siz
     return keep(text, bytes, size);
 }
 
-#if !WATCHED
+#if ONCE
 /* The text that a signal has when the run begins. */
 EXPORT bool cosim_set_text(Engine *engine, int64_t slot, const char *bytes, size_t size) {
     return keep(&engine->texts[slot - engine->first_text], bytes, size);
