@@ -14,9 +14,17 @@ from both_loops import simulate
 from fmu_builder import INTEGRATOR, MODELS, build, build_first, edited
 from scipy.optimize import brentq
 
-from cosim.engine import Fault, FaultKind, Fmu, PartialResultError, System, explain_timing
+from cosim.engine import Channel, Fault, FaultKind, Fmu, PartialResultError, Role, System, explain_timing
 from cosim.engine import simulate as simulate_once
+from cosim.engine._algebraic import Network
+from cosim.engine._calls import Site
+from cosim.engine._graph import Phase, declared
+from cosim.engine._initialize import initialize
 from cosim.engine._instance import CallError
+from cosim.engine._instances import instantiate
+from cosim.engine._parameters import parameters_of
+from cosim.engine._plan import make_plan
+from cosim.engine._port import Port
 from cosim.errors import FmuWarning
 
 pytest.importorskip("rumoca")
@@ -252,6 +260,32 @@ def test_single_precision_is_solved_as_far_as_it_goes(tmp_path: Path, gain: floa
     with Fmu.read(build(replace(INTEGRATOR, variables=variables), 3, tmp_path)) as single:
         found = initialized(wired({"a": (single, {"offset": 1.0}), "b": (single, {})}, "a.y b.u", f"b.y a.u {gain}"))
     assert found.values["a.y"] == pytest.approx(1.0 / (1.0 - gain), rel=1e-6)
+
+
+def test_a_loop_in_event_mode(blocks: Blocks) -> None:
+    """After initialisation with v = 0 the loop is solved again, from where it is, with another v."""
+    block = blocks.plain()
+    system = two(block, block, k=3.0, b=1.0, m=1.0)
+    system.channels = [Channel(("a", "v"), [0.0], [0.0])]
+    sites = [Site(number=number) for number in range(2)]
+    instances = {
+        c.name: instantiate(c.name, c.fmu, True, site) for c, site in zip(system.components, sites, strict=True)
+    }
+    try:
+        for component in system.components:
+            instances[component.name].set_values(parameters_of(component))
+        plan = make_plan(system, dict.fromkeys("ab", Role.EVENT), instances, 0.1, 1.0)
+        initialize(plan, system, 1e-6, 1.0)
+        slots = {name: {v: slot for (owner, v), slot in plan.signals.items() if owner == name} for name in "ab"}
+        ports = {p.instance.name: Port(p, slots[p.instance.name]) for p in plan.discrete}
+        for v in (0.0, 4.0):
+            plan.values[plan.signals["a", "v"]] = v
+            network = Network.of(plan, system, ports, declared(system.components, Phase.TIME), 1e-6)
+            network.settle()
+            assert plan.values[plan.signals["a", "affine"]] == pytest.approx((1.0 + v) / (1.0 - 3.0), **EXACT)
+    finally:
+        for instance in instances.values():
+            instance.free()
 
 
 @pytest.mark.parametrize("version", [2, 3])

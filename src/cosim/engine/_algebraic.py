@@ -1,4 +1,4 @@
-"""Algebraic loops of components that may be set and read at will, as in Initialization Mode, and their solution.
+"""Algebraic loops of components that may be set and read at will, in Initialization and Event Mode, and their solution.
 
 Real outputs that cut a loop are found by Newton's method, all others follow from them. Outputs of other types are held
 while this is done, and replaced by what has come out of it until they agree with it.
@@ -16,9 +16,10 @@ import numpy as np
 from cosim.engine._graph import Depends, End, Loop
 from cosim.engine._instance import CallError
 from cosim.engine._newton import Matrix, Scale, Solution, Vector, iterate, solve
+from cosim.engine._plan import Plan
 from cosim.engine._port import Port
 from cosim.engine._schedule import Reading, schedule
-from cosim.engine._system import Connection, dotted
+from cosim.engine._system import Connection, System, dotted
 from cosim.engine._variable import Variable
 
 _MOST_ROUNDS = 50
@@ -59,6 +60,15 @@ class Network:
     tolerance: float
     remarks: list[str] = field(default_factory=list)
     sizes: dict[int, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, plan: Plan, system: System, ports: Mapping[str, Port], depends: Depends, tolerance: float) -> Network:
+        """Return the components that have ports, of which no output is known yet, and the connections between them."""
+        connections = [c for c in system.connections if c.source[0] in ports and c.target[0] in ports]
+        unknown = {plan.signals[connection.source] for connection in connections}
+        unknown |= {faulty.slot for faulty in plan.faults.inputs}
+        known = set(range(len(plan.values))) - unknown
+        return cls(ports, connections, depends, plan.signals, plan.values, plan.texts, known, tolerance)
 
     def agreement(self, single: bool) -> float:
         """Return the relative difference up to which an output and an input that it drives agree."""
@@ -153,13 +163,13 @@ class Network:
         return self.ports[end[0]].participant.instance.fmu.fmi_types[end[1]] == "Float32"
 
     def guess(self, loop: Loop, output: End) -> float:
-        """Return the value with which the first input that an output drives would have its start value."""
+        """Return the value with which the first input that an output drives would be what it was set to last."""
         connection = next(c for c in loop.connections if c.source == output)
         name, variable = connection.target
-        start = float(self.ports[name].participant.instance.fmu.variables[variable].start or 0.0)
+        taken = self.ports[name].input(variable)
         if connection.table:
-            return next((value for value, mapped in connection.table if mapped == start), start)
-        return (start - connection.offset) / connection.factor if connection.factor else 0.0
+            return next((value for value, mapped in connection.table if mapped == taken), taken)
+        return (taken - connection.offset) / connection.factor if connection.factor else 0.0
 
 
 class _RealLoop:

@@ -47,22 +47,12 @@ def _enter(participant: Participant, tolerance: float, stop: float | None) -> No
 def _settle(plan: Plan, system: System, tolerance: float, stop: float | None) -> list[str]:
     """Set all inputs and read all outputs, and do so again if descriptions turn out to be wrong."""
     ports = _ports(plan, tolerance, stop)
+    for port in ports.values():
+        port.start()
     described = declared(system.components, Phase.INITIALIZATION)
-    outputs = {connection.source for connection in system.connections}
-    given = set(range(len(plan.values))) - {plan.signals[output] for output in outputs}
-    given -= {faulty.slot for faulty in plan.faults.inputs}
     wary: set[str] = set()  # components whose descriptions are not believed
     while True:
-        network = Network(
-            ports=ports,
-            connections=system.connections,
-            depends=_unless(wary, described),
-            slots=plan.signals,
-            values=plan.values,
-            texts=plan.texts,
-            known=set(given),
-            tolerance=tolerance,
-        )
+        network = Network.of(plan, system, ports, _unless(wary, described), tolerance)
         try:
             network.settle()
             fulfilled = _is_fulfilled(plan, network)

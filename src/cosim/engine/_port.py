@@ -1,4 +1,4 @@
-"""A component in Initialization Mode, where inputs may be set and outputs read as often as one likes."""
+"""A component in Initialization or Event Mode, where inputs may be set and outputs read as often as one likes."""
 
 from __future__ import annotations
 
@@ -42,30 +42,39 @@ class Port:
     def __init__(
         self, participant: Participant, slots: Mapping[str, int], initialize: Callable[[], None] | None = None
     ) -> None:
-        """Let driven inputs have their start values; ``slots`` are the signals of the outputs that are read.
+        """Take over; ``slots`` are the signals of the outputs that are read.
 
         ``initialize`` initialises a component without Initialization Mode, after the first inputs have been set.
         """
         self.participant = participant
         self.is_complete = False
         self._fmu = participant.instance.fmu
-        self._inputs = inputs = participant.inputs
+        self._inputs = participant.inputs
         self._initialize = initialize
         self._slots = slots
         self._readers: dict[tuple[str, ...], list[_Reader]] = {}
         self._derivatives: dict[tuple[tuple[str, ...], tuple[str, ...]], _Derivative | None] = {}
         self._faulty = {one.slot: one for one in participant.faulty}
-        self._fresh = {group.start for group in participant.input_groups}
+        self._fresh: set[int] = set()
         self._last: dict[int, float] = {}
         self._nudged: dict[int, tuple[float, InputGroup]] = {}
         self.exact = bool(self._fmu.capabilities["providesDirectionalDerivative"])
-        self.wires: list[tuple[Wire, Variable, InputGroup]] = []
-        for group in participant.input_groups:
-            for wire, name in zip(group.wires, group.names, strict=True):
-                variable = self._fmu.variables[name]
-                self.wires.append((wire, variable, group))
-                if group.fmi_type not in OPAQUE:
-                    inputs[wire.target] = float(variable.start or 0.0)
+        self.wires: list[tuple[Wire, Variable, InputGroup]] = [
+            (wire, self._fmu.variables[name], group)
+            for group in participant.input_groups
+            for wire, name in zip(group.wires, group.names, strict=True)
+        ]
+
+    def start(self) -> None:
+        """Let driven inputs have their start values, as the FMU does, until they are set for the first time."""
+        self._fresh = {group.start for group in self.participant.input_groups}
+        for wire, variable, group in self.wires:
+            if group.fmi_type not in OPAQUE:
+                self._inputs[wire.target] = float(variable.start or 0.0)
+
+    def input(self, name: str) -> float:
+        """Return what a driven input was set to last."""
+        return next(self._inputs[wire.target] for wire, variable, _ in self.wires if variable.name == name)
 
     def write(self, known: Container[int]) -> None:
         """Set the inputs whose sources are known, where they have changed or have not been set before."""
