@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -38,4 +40,9 @@ def test_every_block_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
                 assert done.exit_code == 0, (line, done.output)
         else:
             assert text == printed
-    assert Path("state.cosim").is_file()
+    with zipfile.ZipFile("state.cosim") as archive:
+        document = json.loads(archive.read("checkpoint.json"))
+        entries = {name.partition("/")[0] for name in archive.namelist()}
+    described = set(re.findall(r"`([^`\n]*)`", page))
+    assert {*document, *document["components"][0]} <= described
+    assert entries <= {name.partition("/")[0] for name in described}

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from both_loops import compare, ending
 from coupled_systems import CoupledSystems
-from fmu_builder import edited
+from fmu_builder import build_first, edited
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_systems import systems
@@ -36,7 +36,7 @@ from cosim.engine import (
     System,
     simulate,
 )
-from cosim.errors import CosimError, InputError
+from cosim.errors import CosimError, FmuError, InputError
 from cosim.fmu import catalogue
 from cosim.report import write_csv
 from cosim.scenario import assemble, read
@@ -376,6 +376,11 @@ def test_what_differs_is_told(saving: Get, fmu: Get) -> None:
     )  # there is nothing left to do
 
 
+def test_what_it_shows_of_itself(saving: Get) -> None:
+    (saved,) = simulate(feedback(saving), checkpoint_at=[0.05], **RUN).checkpoints
+    assert repr(saved) == "<checkpoint of plant, c at 0.05 s, with 6 rows>"
+
+
 def test_times_of_checkpoints(saving: Get) -> None:
     system = feedback(saving)
     for time in (-1.0, 0.2, math.nan):
@@ -405,6 +410,12 @@ def test_an_fmu_that_cannot_save_its_state_is_refused(saving: Get, fmu: Get, ver
             "no checkpoint can be made: c (sampler) cannot write its state down (its description does not claim "
             f"canSerialize{claim}); it can keep it in memory: cosim.engine.warm_up lets many runs branch from one state"
         )
+
+
+def test_an_fmu_of_fmi_1_is_refused(tmp_path: Path) -> None:
+    with Fmu.read(build_first(tmp_path)) as first:
+        message = refused(System([Component("first", first)]), checkpoint_at=[0.05])
+    assert "first (first) is of FMI 1.0, which cannot save states" in message
 
 
 def test_without_the_native_library_model_exchange_is_refused(saving: Get, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -505,6 +516,23 @@ def test_what_does_not_agree_within_a_file(some: Path, tmp_path: Path, saving: G
     assert "plant (integrator) refuses its state in the checkpoint: fmi3DeserializeFMUState returned Error" in of(
         garbled
     )
+
+
+@pytest.mark.parametrize("version", ["3.0", "2.0"])
+def test_our_own_fmus_find_damage_in_their_states(version: str, tmp_path: Path) -> None:
+    with Fmu.read(catalogue.ensure("VoltageProfile", fmi=version)) as controller:
+        system = System([Component("controller", controller)])
+        path = simulate(system, checkpoint_at=[0.05], **RUN).checkpoints[0].save(tmp_path / "x.cosim")
+
+        def turn(contents: dict[str, bytes]) -> None:
+            state = bytearray(contents["states/0"])
+            state[len(state) // 2] ^= 1
+            contents["states/0"] = bytes(state)
+
+        with pytest.raises(FmuError) as caught:
+            simulate(system, resume=Checkpoint.load(repacked(path, tmp_path / "y.cosim", turn)), **RUN)
+    assert "controller (VoltageProfile) refuses its state in the checkpoint: " in str(caught.value)
+    assert "the state is damaged (its checksum is wrong)" in str(caught.value)
 
 
 def _components(contents: dict[str, bytes]) -> list[dict[str, object]]:

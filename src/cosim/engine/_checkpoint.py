@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ from cosim.engine._setup import Setup
 from cosim.engine._snapshot import Snapshot
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Checkpoint:
     """The state of a whole run at ``time`` [s], a communication point, after its events.
 
@@ -22,8 +22,13 @@ class Checkpoint:
 
     setup: Setup
     snapshot: Snapshot
-    states: tuple[bytes, ...] = field(repr=False)
-    rows: NDArray[np.float64] = field(repr=False)
+    states: tuple[bytes, ...]
+    rows: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        """Return what it is of, and where."""
+        names = ", ".join(used.name for used in self.setup.components)
+        return f"<checkpoint of {names} at {self.time:.9g} s, with {len(self.rows)} rows>"
 
     @property
     def time(self) -> float:
