@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from both_loops import compare, ending
 from coupled_systems import CoupledSystems
-from fmu_builder import build_first, edited
+from fmu_builder import MODELS, build, build_first, edited
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_systems import systems
@@ -36,7 +36,7 @@ from cosim.engine import (
     System,
     simulate,
 )
-from cosim.errors import CosimError, FmuError, InputError
+from cosim.errors import CosimError, FmuError, FmuWarning, InputError
 from cosim.fmu import catalogue
 from cosim.report import write_csv
 from cosim.scenario import assemble, read
@@ -189,6 +189,21 @@ def test_model_exchange(version: str, tmp_path: Path) -> None:
     same(saved, reference)
     for checkpoint in saved.checkpoints:
         same(simulate(system, resume=again(checkpoint, tmp_path), **run), reference)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_steps_of_one_length(saving: Get, version: int, tmp_path: Path) -> None:
+    """Within a step that has begun: its inputs are set, and it ends later."""
+    with Fmu.read(build(MODELS["integrator"], version, tmp_path, variable_steps=False, saves=True)) as slow:
+        system = feedback(saving, version, T_compute=0.007)
+        system.components.append(Component("slow", slow))
+        system.connections.append(Connection(("plant", "x"), ("slow", "u")))
+        with pytest.warns(FmuWarning, match="takes steps of one length only"):
+            for loop, other in (LOOPS, LOOPS[::-1]):
+                reference = under(loop, system, **RUN)
+                saved = under(other, system, checkpoint_at=[0.001, 0.013, 0.04, 0.0771], **RUN)
+                for checkpoint in saved.checkpoints:
+                    same(under(loop, system, resume=again(checkpoint, tmp_path), **RUN), reference)
 
 
 @pytest.mark.parametrize("name", ["label", "words", "parcel"])
