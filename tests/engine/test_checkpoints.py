@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import math
-import os
 import random
-import zipfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pytest
 from both_loops import compare, ending
 from coupled_systems import CoupledSystems
-from fmu_builder import MODELS, build, build_first, edited
+from fmu_builder import MODELS, build
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_systems import systems
@@ -23,7 +19,6 @@ from saving_fmus import LOOPS, RUN, again, feedback, same, under
 
 from cosim.engine import (
     Algorithm,
-    Channel,
     Checkpoint,
     Component,
     Connection,
@@ -36,16 +31,13 @@ from cosim.engine import (
     System,
     simulate,
 )
-from cosim.errors import CosimError, FmuError, FmuWarning, InputError
+from cosim.errors import CosimError, FmuWarning
 from cosim.fmu import catalogue
 from cosim.report import write_csv
 from cosim.scenario import assemble, read
 
 Get = Callable[..., Fmu]
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
-
-
-# to the same bytes
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -297,325 +289,3 @@ def test_infinite_numbers(saving: Get, tmp_path: Path) -> None:
     saved = simulate(system, checkpoint_at=[0.05], **RUN)
     assert saved.columns["plant.y"][0] == math.inf
     same(simulate(system, resume=again(saved.checkpoints[0], tmp_path), **RUN), saved)
-
-
-# what may be changed
-
-
-@pytest.mark.parametrize("version", [2, 3])
-def test_a_tunable_parameter_acts_from_the_checkpoint_on(saving: Get, version: int) -> None:
-    """x(k+1) = x(k) + h K x(k): the sample at the checkpoint has been taken, unless an event takes it again."""
-    saved = simulate(feedback(saving, version), checkpoint_at=[0.05], **RUN).checkpoints[0]
-    for loop in LOOPS:
-        result = under(loop, feedback(saving, version, K=-10.0), resume=saved, **RUN)
-        gains = [-4.0] * 6 + [-10.0] * 4
-        rows = np.cumprod([1.0, *(1.0 + 0.01 * gain for gain in gains)])
-        np.testing.assert_allclose(result.columns["plant.x"], rows, rtol=1e-13)
-        events = 12 if version == 3 else 0
-        assert result.statistics["events"] == ({"c": events} if version == 3 else {})
-
-
-def test_channels_may_change_after_the_checkpoint(saving: Get) -> None:
-    def system(after: float) -> System:
-        channel = Channel(("plant", "u"), [0.0, 0.02, 0.06], [1.0, 2.0, after])
-        return System([Component("plant", saving("integrator"))], channels=[channel])
-
-    saved = simulate(system(0.0), checkpoint_at=[0.04], **RUN).checkpoints[0]
-    for loop in LOOPS:
-        same(under(loop, system(7.0), resume=saved, **RUN), simulate(system(7.0), **RUN))
-    same(simulate(system(7.0), resume=saved, **RUN | {"stop": 0.08}), simulate(system(7.0), **RUN | {"stop": 0.08}))
-
-
-def test_the_past_of_a_line_reaches_to_its_next_corner(saving: Get) -> None:
-    def system(next_: float, last: float) -> System:
-        channel = Channel(("plant", "u"), [0.0, 0.06, 0.1], [1.0, next_, last], linear=True)
-        return System([Component("plant", saving("integrator"))], channels=[channel])
-
-    saved = simulate(system(2.0, 3.0), checkpoint_at=[0.04], **RUN).checkpoints[0]
-    same(simulate(system(2.0, 9.0), resume=saved, **RUN), simulate(system(2.0, 9.0), **RUN))
-    assert "another past: 5 at 0.06 s, in the checkpoint 2 at 0.06 s" in refused(system(5.0, 3.0), resume=saved)
-
-
-# what is refused
-
-
-def refused(system: System, **arguments: object) -> str:
-    with pytest.raises(InputError) as caught:
-        simulate(system, **RUN | arguments)  # type: ignore[arg-type]
-    return str(caught.value)
-
-
-def test_what_differs_is_told(saving: Get, fmu: Get) -> None:
-    saved = simulate(feedback(saving), checkpoint_at=[0.05], **RUN).checkpoints[0]
-    begin = "cannot go on from the checkpoint at 0.05 s"
-    told = "; use what it was made with, or make a new one"
-    assert refused(feedback(saving), resume=saved, tolerance=1e-5) == (
-        f"{begin}: tolerance is 1e-05, in the checkpoint 1e-06{told}"
-    )
-    assert refused(feedback(saving), resume=saved, algorithm="jacobi", step=0.01) == (
-        f"{begin}: algorithm is jacobi, in the checkpoint gauss-seidel; step is 0.01, in the checkpoint not given; "
-        f"c is used as CoSimulation, continuous, in the checkpoint as CoSimulation, event{told}"
-    )
-    other = feedback(saving)
-    other.components[0] = Component("plant", saving("integrator", 2), {"x0": 1.0})
-    assert f"{begin}: plant has another FMU: integrator (FMI 2.0, SHA-256 " in refused(other, resume=saved)
-    other = feedback(saving)
-    other.components[1].name = "d"
-    other.connections = []
-    assert f"{begin}: the components are plant, d, in the checkpoint plant, c" in refused(other, resume=saved)
-    other = feedback(saving)
-    other.connections[0] = Connection(("plant", "x"), ("c", "u"), factor=2.0)
-    assert refused(other, resume=saved).startswith(
-        f"{begin}: the connection plant.x -> c.u (factor 2, offset 0) is not in the checkpoint; the checkpoint has a "
-        "connection plant.x -> c.u;"
-    )
-    other = feedback(saving)
-    other.channels = [Channel(("c", "enable"), [0.0], [1.0])]
-    assert "the channels are c.enable, in the checkpoint none (an input that is to be driven" in refused(
-        other, resume=saved
-    )
-    other = feedback(saving)
-    other.faults = [Fault(("c", "u"), "bias", 0.5, start=0.07)]
-    message = refused(other, resume=saved)
-    assert f"{begin}: the faults are c.u bias 0.5 from 0.07 s, in the checkpoint none" in message
-    assert refused(feedback(saving, T_compute=0.02), resume=saved) == (
-        "c.T_compute: is 0.02, in the checkpoint 0.01; it is fixed, so it cannot change while a simulation runs; "
-        "tunable are c.K"
-    )
-    assert refused(feedback(saving), resume=saved, stop=0.2).startswith(
-        f"{begin} to 0.2 s: the FMUs were told that the simulation ends at 0.1 s; stop there or earlier"
-    )
-    assert refused(feedback(saving), resume=saved, stop=0.04) == f"{begin} to 0.04 s; give a later stop"
-    assert (
-        len(simulate(feedback(saving), resume=saved, **RUN | {"stop": 0.05}).time) == 6
-    )  # there is nothing left to do
-
-
-def test_what_it_shows_of_itself(saving: Get) -> None:
-    (saved,) = simulate(feedback(saving), checkpoint_at=[0.05], **RUN).checkpoints
-    assert repr(saved) == "<checkpoint of plant, c at 0.05 s, with 6 rows>"
-
-
-def test_times_of_checkpoints(saving: Get) -> None:
-    system = feedback(saving)
-    for time in (-1.0, 0.2, math.nan):
-        assert refused(system, checkpoint_at=[time]) == f"a checkpoint at {time:g} s: the run goes from 0 to 0.1 s only"
-    saved = simulate(system, checkpoint_at=[0.05], **RUN).checkpoints[0]
-    assert refused(system, checkpoint_at=[0.05], resume=saved) == (
-        "a checkpoint at 0.05 s: the run goes on from 0.05 s; give a later time"
-    )
-
-
-@pytest.mark.parametrize("version", [2, 3])
-def test_an_fmu_that_cannot_save_its_state_is_refused(saving: Get, fmu: Get, version: int, tmp_path: Path) -> None:
-    claim = "FMUstate" if version == 2 else "FMUState"
-    system = feedback(lambda name, version: (fmu if name == "sampler" else saving)(name, version), version)
-    assert refused(system, checkpoint_at=[0.05]).endswith(
-        "no checkpoint can be made: c (sampler) cannot save its state (its description does not claim "
-        f"canGetAndSet{claim}); run the system without checkpoints, from 0 on"
-    )
-    path = edited(
-        saving("sampler", version).path,
-        tmp_path / "x.fmu",
-        lambda text: text.replace(f'canSerialize{claim}="true"', ""),
-    )
-    with Fmu.read(path) as in_memory_only:
-        system.components[1].fmu = in_memory_only
-        assert refused(system, checkpoint_at=[0.05]).endswith(
-            "no checkpoint can be made: c (sampler) cannot write its state down (its description does not claim "
-            f"canSerialize{claim}); it can keep it in memory: cosim.engine.warm_up lets many runs branch from one state"
-        )
-
-
-def test_an_fmu_of_fmi_1_is_refused(tmp_path: Path) -> None:
-    with Fmu.read(build_first(tmp_path)) as first:
-        message = refused(System([Component("first", first)]), checkpoint_at=[0.05])
-    assert "first (first) is of FMI 1.0, which cannot save states" in message
-
-
-def test_without_the_native_library_model_exchange_is_refused(saving: Get, monkeypatch: pytest.MonkeyPatch) -> None:
-    plant = Fmu.read(catalogue.ensure("LinkagePlant"), interface="ModelExchange")
-    monkeypatch.setenv("COSIM_ENGINE", "python")
-    with plant:
-        message = refused(System([Component("plant", plant)]), checkpoint_at=[0.05])
-    assert "plant (LinkagePlant) is for Model Exchange, and without the native library its solver (CVode)" in message
-
-
-def test_a_folder_that_cannot_be_written_ends_the_run(saving: Get, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("in the way")
-    with pytest.raises(PartialResultError) as caught:
-        simulate(feedback(saving), checkpoint_at=[0.05], checkpoint_to=tmp_path / "file", **RUN)
-    assert "checkpoint_0.05s.cosim: the checkpoint cannot be written: " in str(caught.value)
-    assert len(caught.value.result.time) == 6
-
-
-# files
-
-
-@pytest.fixture(scope="module")
-def some(saving: Get, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A file of a run with a channel and events, at 0.05 s."""
-    folder = tmp_path_factory.mktemp("some")
-    return simulate(eventful(saving), checkpoint_at=[0.05], **RUN).checkpoints[0].save(folder / "some.cosim")
-
-
-def eventful(saving: Get) -> System:
-    system = feedback(saving)
-    system.channels = [Channel(("c", "enable"), [0.0, 0.045, 0.07], [1.0, 0.0, 1.0])]
-    return system
-
-
-def test_no_file_and_other_files(tmp_path: Path) -> None:
-    def of(content: bytes | None) -> str:
-        path = tmp_path / "x.cosim"
-        path.unlink(missing_ok=True)
-        if content is not None:
-            path.write_bytes(content)
-        with pytest.raises(InputError) as caught:
-            Checkpoint.load(path)
-        return str(caught.value).removeprefix(f"{path}: ")
-
-    assert of(None) == "the checkpoint cannot be read: No such file or directory; give the path of a .cosim file"
-    told = "; write it again with --checkpoint, or Checkpoint.save"
-    assert of(b"") == of(b"time,x\n0,1\n") == f"is not a checkpoint{told}"
-    assert of(b"PK\3\4") == f"is cut off or damaged{told}"
-    with zipfile.ZipFile(tmp_path / "other.zip", "w") as archive:
-        archive.writestr("modelDescription.xml", "<fmi/>")
-    assert of((tmp_path / "other.zip").read_bytes()).startswith("is not a checkpoint: it has no checkpoint.json")
-
-
-def repacked(some: Path, path: Path, edit: Callable[[dict[str, bytes]], None], kind: int = zipfile.ZIP_STORED) -> Path:
-    with zipfile.ZipFile(some) as old:
-        contents = {name: old.read(name) for name in old.namelist()}
-    edit(contents)
-    with zipfile.ZipFile(path, "w", kind) as new:
-        for name, content in contents.items():
-            new.writestr(name, content)
-    return path
-
-
-def with_document(**changes: object) -> Callable[[dict[str, bytes]], None]:
-    def edit(contents: dict[str, bytes]) -> None:
-        document = json.loads(contents["checkpoint.json"]) | changes
-        contents["checkpoint.json"] = json.dumps(document).encode()
-
-    return edit
-
-
-def test_what_does_not_agree_within_a_file(some: Path, tmp_path: Path, saving: Get) -> None:
-    def of(edit: Callable[[dict[str, bytes]], None], kind: int = zipfile.ZIP_STORED) -> str:
-        path = repacked(some, tmp_path / "x.cosim", edit, kind)
-        with pytest.raises(InputError) as caught:
-            simulate(eventful(saving), resume=Checkpoint.load(path), **RUN)
-        return str(caught.value)
-
-    def cut(contents: dict[str, bytes]) -> None:
-        contents["values"] = contents["values"][:-8]
-
-    assert "is damaged: what is in it is not what checkpoint.json says: values" in of(cut)
-    assert "its directory is not as cosim writes it" in of(lambda _: None, zipfile.ZIP_DEFLATED)
-    assert "says: extra" in of(lambda contents: contents.update(extra=b""))
-    assert "is a checkpoint of format 2, and this version of cosim reads 1" in of(with_document(version=2, new=1))
-    assert "is damaged: checkpoint.json: rows: Input should be a valid integer" in of(with_document(rows="many"))
-    assert "is damaged: checkpoint.json: time: " in of(with_document(time=math.nan))
-    assert "what is in it is not what checkpoint.json says: rows" in of(with_document(rows=10**15))
-    assert "does not fit this system: it is damaged" in of(with_document(time=0.0499))
-    assert "cannot go on from the checkpoint" in of(with_document(settings={}))
-
-    def garbled(contents: dict[str, bytes]) -> None:
-        contents["states/0"] = contents["states/0"][:8]
-        with_document(
-            components=[c | {"state_size": 8} for c in _components(contents)[:1]] + _components(contents)[1:]
-        )(contents)
-
-    assert "plant (integrator) refuses its state in the checkpoint: fmi3DeserializeFMUState returned Error" in of(
-        garbled
-    )
-
-
-@pytest.mark.parametrize("version", ["3.0", "2.0"])
-def test_our_own_fmus_find_damage_in_their_states(version: str, tmp_path: Path) -> None:
-    with Fmu.read(catalogue.ensure("VoltageProfile", fmi=version)) as controller:
-        system = System([Component("controller", controller)])
-        path = simulate(system, checkpoint_at=[0.05], **RUN).checkpoints[0].save(tmp_path / "x.cosim")
-
-        def turn(contents: dict[str, bytes]) -> None:
-            state = bytearray(contents["states/0"])
-            state[len(state) // 2] ^= 1
-            contents["states/0"] = bytes(state)
-
-        with pytest.raises(FmuError) as caught:
-            simulate(system, resume=Checkpoint.load(repacked(path, tmp_path / "y.cosim", turn)), **RUN)
-    assert "controller (VoltageProfile) refuses its state in the checkpoint: " in str(caught.value)
-    assert "the state is damaged (its checksum is wrong)" in str(caught.value)
-
-
-def _components(contents: dict[str, bytes]) -> list[dict[str, object]]:
-    found: list[dict[str, object]] = json.loads(contents["checkpoint.json"])["components"]
-    return found
-
-
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(data=st.data())
-def test_damaged_files_are_refused(some: Path, tmp_path: Path, data: st.DataObject) -> None:
-    """One changed byte, or the loss of a part, is noticed by the archive's checksums, or changes nothing."""
-    content = bytearray(some.read_bytes())
-    if data.draw(st.booleans()):
-        content[data.draw(st.integers(0, len(content) - 1))] ^= data.draw(st.integers(1, 255))
-    else:
-        first = data.draw(st.integers(0, len(content)))
-        del content[first : first + data.draw(st.integers(1, len(content)))]
-    (tmp_path / "x.cosim").write_bytes(content)
-    try:
-        found = Checkpoint.load(tmp_path / "x.cosim")
-    except InputError:
-        return
-    expected = Checkpoint.load(some)
-    assert (found.setup, found.snapshot, found.states) == (expected.setup, expected.snapshot, expected.states)
-    assert found.rows.tobytes() == expected.rows.tobytes()
-
-
-NUMBERS = st.none() | st.booleans() | st.integers(-(2**70), 2**70) | st.floats() | st.text(max_size=5) | st.just([])
-
-
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(data=st.data())
-def test_forged_documents_end_with_a_message_or_run(
-    some: Path, saving: Get, tmp_path: Path, data: st.DataObject
-) -> None:
-    """Whatever the document says in the place of one of its values: no crash, no traceback, an end."""
-
-    def edit(contents: dict[str, bytes]) -> None:
-        document = json.loads(contents["checkpoint.json"])
-        place: object = document
-        while isinstance(place, dict | list) and place:
-            keys = list(place) if isinstance(place, dict) else range(len(place))
-            key = data.draw(st.sampled_from(keys))
-            inner = place[key]  # type: ignore[index]
-            if not isinstance(inner, dict | list) or not inner or data.draw(st.booleans()):
-                place[key] = data.draw(NUMBERS)  # type: ignore[index]
-                break
-            place = inner
-        contents["checkpoint.json"] = json.dumps(document).encode()
-
-    path = repacked(some, tmp_path / "x.cosim", edit)
-    try:
-        checkpoint = Checkpoint.load(path)
-        simulate(eventful(saving), resume=checkpoint, **RUN)
-    except CosimError:
-        pass
-
-
-def test_saving_replaces_the_file_at_once(some: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    checkpoint = Checkpoint.load(some)
-    path = checkpoint.save(tmp_path / "x.cosim")
-    before = path.read_bytes()
-
-    def full(_: int) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(InputError, match="No space left on device; give another place"):
-        checkpoint.save(path)
-    assert path.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [path]
