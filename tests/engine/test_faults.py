@@ -28,6 +28,7 @@ from cosim.engine import (
     Result,
     System,
 )
+from cosim.engine import simulate as simulate_once
 from cosim.errors import InputError
 
 Get = Callable[..., Fmu]
@@ -276,6 +277,56 @@ def test_a_boolean_comes_late_whole(fmu: Get, version: int) -> None:
     assert set(seen.tolist()) == {0.0, 1.0}
     late = np.interp(result.time - 0.015, result.time, result.columns["plant.positive"])
     assert seen.tolist() == np.floor(late + 1e-9).tolist()
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_whole_numbers_and_enumerations(fmu: Get, version: int) -> None:
+    """The mirror's outputs are its inputs as they were in the last step."""
+    system = System([Component("mirror", fmu("mirror", version))])
+    system.channels = [Channel(("mirror", "u_Int16"), [0.0, 0.05, 0.15], [0.0, 7.0, -3.0])]
+    result = run(
+        system,
+        Fault(("mirror", "u_Enumeration"), "override", 3.0, 0.1, 0.2),
+        Fault(("mirror", "u_Int16"), "delay", 0.02),
+        Fault(("mirror", "u_Int16"), "freeze", start=0.1, stop=0.2),
+        Fault(("mirror", "u_UInt64"), "override", 2.0**30, 0.1),
+    )
+    row = np.arange(31)
+    columns = result.columns
+    assert columns["mirror.u_Enumeration"].tolist() == np.where((row >= 10) & (row < 20), 3, 1).tolist()
+    late = np.where(row < 7, 0, np.where(row < 17, 7, -3))
+    assert columns["mirror.u_Int16"].tolist() == np.where((row >= 10) & (row < 20), 7, late).tolist()
+    assert columns["mirror.y_Int16"][1:].tolist() == columns["mirror.u_Int16"][:-1].tolist()
+    assert columns["mirror.u_UInt64"].dtype == np.int64
+    assert columns["mirror.y_UInt64"][-1] == 2**30
+
+
+def test_a_value_that_an_integer_cannot_take_is_told(fmu: Get) -> None:
+    system = System([Component("mirror", fmu("mirror"))])
+    with pytest.raises(PartialResultError, match="cannot take 300: its input is an integer of 8 bits"):
+        run(system, Fault(("mirror", "u_Int8"), "override", 300.0, 0.1))
+
+
+def test_one_element_of_an_array(fmu: Get) -> None:
+    """The others keep their start values, 0.5 and 2.5."""
+    system = System([Component("vector", fmu("vector"))])
+    result = run(system, Fault(("vector", "u[2]"), "scale", 10.0, 0.1))
+    row = np.arange(31)
+    assert result.columns["vector.u[2]"].tolist() == np.where(row < 10, 1.5, 15.0).tolist()
+    assert result.columns["vector.y[2]"][-1] == 15.0
+    assert (result.columns["vector.y[1]"][-1], result.columns["vector.y[3]"][-1]) == (0.5, 2.5)
+
+
+def test_a_process_of_its_own_gives_the_same_bits(fmu: Get) -> None:
+    faults = [Fault(TARGET, "noise", 0.2), Fault(TARGET, "delay", 0.0137), Fault(("plant", "u"), "drop", 0.3, 0.05)]
+    system = replace(feedback(fmu), faults=faults)
+    here, there = (
+        simulate_once(system, stop=0.3, output_interval=T, tolerance=1e-6, isolate=isolate)
+        for isolate in ("never", "always")
+    )
+    for name, column in here.columns.items():
+        assert column.tobytes() == there.columns[name].tobytes(), name
+    assert here.faults == there.faults
 
 
 def test_a_long_delay_over_many_steps_needs_more_memory_while_it_runs(fmu: Get) -> None:
