@@ -8,7 +8,8 @@ counts as dependent on every input. The strong components of this graph are the 
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -148,8 +149,9 @@ def tearing(group: Sequence[End], arrows: Arrows) -> list[End]:
     members = set(group)
     inner = {node: [target for target in arrows[node] if target in members] for node in group}
     if len(group) > _MANY:
-        owners = [name for name, _ in group]
-        cut = [node for node in group if node[0] == min(owners, key=owners.count)]
+        owners = Counter(name for name, _ in group)
+        fewest = min(owners, key=owners.__getitem__)
+        cut = [node for node in group if node[0] == fewest]
     else:
         for node in group:
             if not any(_is_loop(part, inner) for part in strong_components(_without(inner, [node]))):
@@ -165,7 +167,8 @@ def _is_loop(group: Sequence[End], arrows: Arrows) -> bool:
     return len(group) > 1 or group[0] in arrows[group[0]]
 
 
-def _without(arrows: Arrows, cut: Collection[End]) -> dict[End, list[End]]:
+def _without(arrows: Arrows, nodes: Iterable[End]) -> dict[End, list[End]]:
+    cut = set(nodes)
     return {node: [t for t in targets if t not in cut] for node, targets in arrows.items() if node not in cut}
 
 

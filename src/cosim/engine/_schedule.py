@@ -41,17 +41,26 @@ def schedule(
             waits[target].add(source)
     outputs = {name: [output for output in arrows if output[0] == name] for name in names}
     loops = loops_among(free, depends)
+    place = {name: i for i, name in enumerate(names)}
     steps: list[Step] = []
     done: set[End] = set()
+    look = set(names)  # at components for which something has become known
     while len(done) < len(arrows):
-        before = len(done)
-        for name in names:
-            ready = [output for output in outputs[name] if output not in done and waits[output] <= done]
+        before = len(steps)
+        for name in sorted(look, key=place.__getitem__):
+            look.discard(name)
+            ready = [output for output in outputs[name] if waits[output] <= done]
             if ready:
                 steps.append(Reading(tuple(ready)))
                 done.update(ready)
-        if len(done) == before:  # what is left waits for loops, and the first of these for nothing else
+                outputs[name] = [output for output in outputs[name] if output not in done]
+                look.update(target for output in ready for target, _ in arrows[output])
+        if len(steps) == before:  # what is left waits for loops, and the first of these for nothing else
             loop = loops.pop(0)
             steps.append(loop)
-            done.update(loop.torn, loop.others)
+            solved = (*loop.torn, *loop.others)
+            done.update(solved)
+            for output in solved:
+                outputs[output[0]].remove(output)
+                look.update(target for target, _ in arrows[output])
     return steps
