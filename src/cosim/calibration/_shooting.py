@@ -20,14 +20,14 @@ from cosim.errors import InputError
 Array = NDArray[np.float64]
 _SHORT, _LONGER = 1.0, 2.5
 """What the first so many seconds tell is found first: over a short while, a wrong speed does not add up to a turn."""
-_LEAP = 2.0
-"""If the whole is so much worse than the short beginning, the longer beginning comes between them."""
+_WAYS = ((_SHORT,), (_SHORT, _LONGER), ())
+"""What comes before the whole. The next way is tried while residuals are not near the noise; the best one counts."""
 _ROUGH, _FINE = 1e-3, 1e-8
 """A descent ends when a step promises to lower the cost by less than this part; over a beginning, over all."""
 _PHASES, _FEW = 8, 20
 """So many angles of the crank are tried at the beginning if the motor runs already, with so many steps each."""
 _MET = 1.5
-"""With residuals below this many times the noise, the angle is found."""
+"""With residuals below this many times the noise, nothing better is looked for."""
 _TURN = 0.3
 """The crank has to get at least so far ahead [rad] in the short beginning."""
 _REMEDY = "Start from values with which the motor runs as it was measured to, or choose another window"
@@ -44,6 +44,18 @@ class Spot:
     squares: float
 
 
+@dataclass(frozen=True)
+class _End:
+    """Where a descent over one window after another has ended."""
+
+    theta: Array
+    states: list[Array]
+    spot: Spot
+    chi: float
+    steps: int
+    limit: str | None
+
+
 def solve(
     problem: Problem, robust: bool, most_steps: int, progress: Progress | None
 ) -> tuple[Solution, list[Followed]]:
@@ -51,41 +63,54 @@ def solve(
 
     Raises InputError if the motor does not run with the starting values.
     """
-    theta, states = _beginning(problem, robust)
-    steps, near, chi = 0, None, np.inf
+    begin = _beginning(problem, robust)
     longest = max(part.borders[-1] - part.borders[0] for part in problem.fitted)
-    windows = [np.inf] if longest < _SHORT / 0.7 else [_SHORT, np.inf]
-    with ThreadPoolExecutor(min(len(states), os.cpu_count() or 1)) as workers:
-        while windows:
-            window = windows.pop(0)
-            search = _Search(problem, [part.first(window) for part in problem.fitted], robust, None, workers)
-            unknowns = search.packed(theta, states)
-            again = np.isinf(window) and near is not None and longest > _LONGER / 0.7 and np.isfinite(chi)
+    best: _End | None = None
+    lost: LostError | None = None
+    steps = 0
+    with ThreadPoolExecutor(min(len(problem.fitted), os.cpu_count() or 1)) as workers:
+        for shorter in _WAYS:
+            windows = [*(w for w in shorter if w < 0.7 * longest), np.inf]
             try:
-                spot = search.place(unknowns, near)
+                end = _descend_over(windows, problem, robust, begin, most_steps, workers, steps, progress)
             except LostError as error:
-                if not again:
-                    raise InputError(f"{error}. {_REMEDY}") from error
-                windows, chi = [_LONGER, np.inf], np.inf
+                lost = lost or error
                 continue
-            if near is None:
-                _check_running(problem, spot)
-            if again and search.chi(spot) > _LEAP * chi:
-                windows, chi = [_LONGER, np.inf], np.inf
-                continue
+            steps += end.steps
+            if best is None or end.spot.cost < best.spot.cost:
+                best = end
+            if best.chi < _MET or longest <= _SHORT / 0.7:
+                break
+    if best is None:
+        raise InputError(f"{lost}. {_REMEDY}")
+    return Solution(best.theta, tuple(best.states), best.limit, steps), list(best.spot.parts)
 
-            def tell(step: int, at: Spot, before: int = steps, of: _Search = search) -> None:
-                if progress is not None:
-                    progress(before + step, of.chi(at))
 
-            tell(0, spot)
-            enough = _FINE if np.isinf(window) else _ROUGH
-            found = descend(search.evaluate, unknowns, spot, search.bounds(), most_steps - steps, enough, tell)
-            steps += found.steps
-            theta, states = search.unpacked(found.unknowns)
-            near = found.place
-            chi = search.chi(near) if window == _SHORT else np.inf
-    return Solution(theta, tuple(states), found.limit, steps), list(found.place.parts)
+def _descend_over(
+    windows: Sequence[float], problem: Problem, robust: bool, begin: tuple[Array, list[Array]], most_steps: int,
+    workers: Executor, steps_before: int, progress: Progress | None,
+) -> _End:  # fmt: skip
+    """Descend over each window from where the one before has led. Raises LostError if a motion cannot be followed."""
+    theta, states = begin
+    steps, near = 0, None
+    for window in windows:
+        search = _Search(problem, [part.first(window) for part in problem.fitted], robust, None, workers)
+        unknowns = search.packed(theta, states)
+        spot = search.place(unknowns, near)
+        if near is None:
+            _check_running(problem, spot)
+
+        def tell(step: int, at: Spot, before: int = steps_before + steps, of: _Search = search) -> None:
+            if progress is not None:
+                progress(before + step, of.chi(at))
+
+        tell(0, spot)
+        enough = _FINE if np.isinf(window) else _ROUGH
+        found = descend(search.evaluate, unknowns, spot, search.bounds(), most_steps - steps, enough, tell)
+        steps += found.steps
+        theta, states = search.unpacked(found.unknowns)
+        near = found.place
+    return _End(theta, states, found.place, search.chi(found.place), steps, found.limit)
 
 
 def meet(problem: Problem, part: Part, theta: Array, most_steps: int) -> Followed:
