@@ -57,6 +57,9 @@ def test_a_result_compared_with_itself_has_no_error(cosim: Cosim, result: Path) 
         assert found[name] == pytest.approx(1.0, abs=1e-6), name
     assert (found["tube_pass"], found["samples"], found["peak_timing_worst_s"]) == (True, len(TIME), 0.0)
     assert (result / "comparison_m.png").stat().st_size > 20000
+    options = {"lag_most": 5.0, "start": 0.0, "stop": None, "tube_x": 0.05, "tube_y": 0.0, "tube_y_relative": 0.1}
+    choices = {"align": "correlation", "quantity": "torque", "smoothing": "none", "torque_zero": "onset"}
+    assert found["options"] == options | choices
 
 
 def test_a_known_shift_gain_and_offset_are_found(cosim: Cosim, result: Path) -> None:
@@ -230,6 +233,7 @@ def test_several_measurements_and_where_the_files_go(cosim: Cosim, result: Path,
         (("m.csv", "--set", "start=3 s", "--set", "stop=2 s"), "--set: the part from 3 s to 2 s has no length"),
         (("m.csv", "--set", "start=50 s"), "x: 0 samples from 50 s to inf s; it lasts from 0 s to 11.998 s"),
         (("m.csv", "--limit", "rmse=1"), "--limit rmse: there is no such figure; there are rmse_nm, nrmse, bias_nm, "),
+        (("missing.csv", "--limit", "rmse_a=1"), "--limit rmse_a: there is no such figure; there are rmse_nm, nrmse, "),
         (("m.csv", "--limit", "rmse_nm"), "--limit rmse_nm: write NAME=NUMBER, such as --limit rmse_nm=1.5 or "),
         (("n.csv",), "n.csv: there is no such measurement"),
     ],

@@ -21,6 +21,7 @@ from cosim.thesis._measured import read_measured
 from cosim.thesis._readings import T_RAMP
 from cosim.thesis._runs import profile_run, scenario_run
 from cosim.thesis._table import PUBLISHED
+from measurement.workbooks import Columns, write
 from thesis.pages import differences
 
 pytest.importorskip("rumoca")
@@ -152,6 +153,16 @@ def test_a_measured_torque_is_averaged_as_the_source_does(tmp_path: Path) -> Non
     ramp = np.clip((time - 0.999) / 0.11, 0.0, 1.0) * 10.0
     np.testing.assert_allclose(found.torque, ramp, atol=0.1)
     assert found.torque[-1] == pytest.approx(10.0)
+
+
+def test_a_workbooks_torque_is_told_to_be_zero_at_its_onset(tmp_path: Path) -> None:
+    each = np.where(np.arange(2000) < 400, 1.0, 3.0)
+    average = np.convolve(np.concatenate((np.full(54, 1.0), each)), np.full(55, 1.0 / 55.0), "valid")
+    index = np.arange(2000.0)
+    columns = Columns(np.full(2000, 24.0).tolist(), index.tolist(), each.tolist(), average.tolist(), Tp=(0.173, 0.58))
+    found = read_measured(write(tmp_path / "Dry Glass Cold Motor LS.xlsx", columns))
+    there = (1.0 - 0.58) / 0.173
+    assert found.label.endswith(f"(made zero at its onset; {there:.2g} N.m there by its line)"), found.label
 
 
 @pytest.mark.parametrize(

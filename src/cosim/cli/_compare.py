@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cosim.cli._choices import aliases, choices, measured, pictures, table
 from cosim.cli._screen import Screen, warned
-from cosim.comparison import SIGNALS, Comparison, Options, compare, draw
+from cosim.comparison import SIGNALS, Comparison, Options, compare, draw, figure_names
 from cosim.errors import InputError
 from cosim.measurement import read
 
@@ -41,7 +41,7 @@ def compare_files(
         aliases(columns, [signal for signal, _, _ in SIGNALS.values()] + ["phi_crank"]),
     )
     measured_names = measured(measured_columns)
-    bounds = [_limit(text) for text in limits]
+    bounds = [_limit(text, figure_names(options.quantity)) for text in limits]
     folder = out if out is not None else result if result.is_dir() else result.parent
     found: list[Comparison] = []
     failures: list[str] = []
@@ -50,7 +50,6 @@ def compare_files(
             comparison = compare(result, read(path, columns=measured_names), options, aliases=names)
         found.append(comparison)
         failures += [f"{comparison.measurement}: {text}" for text in _failures(comparison, bounds, require)]
-    _check_limits(bounds, found)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         documents = [comparison.to_dict() for comparison in found]
@@ -84,7 +83,7 @@ def describe(found: Sequence[Comparison]) -> str:
     )
 
 
-def _limit(text: str) -> tuple[str, float]:
+def _limit(text: str, known: Sequence[str]) -> tuple[str, float]:
     name, sign, value = (part.strip() for part in text.partition("="))
     try:
         bound = float(value)
@@ -92,14 +91,9 @@ def _limit(text: str) -> tuple[str, float]:
         bound = math.nan
     if not sign or math.isnan(bound):
         raise InputError(f"--limit {text}: write NAME=NUMBER, such as --limit rmse_nm=1.5 or --limit correlation=0.9")
+    if name not in known:
+        raise InputError(f"--limit {name}: there is no such figure; there are {', '.join(known)}")
     return name, bound
-
-
-def _check_limits(bounds: Sequence[tuple[str, float]], found: Sequence[Comparison]) -> None:
-    known = found[0].figures()
-    for name, _ in bounds:
-        if name not in known:
-            raise InputError(f"--limit {name}: there is no such figure; there are {', '.join(known)}")
 
 
 def _failures(comparison: Comparison, bounds: Sequence[tuple[str, float]], require: bool) -> list[str]:

@@ -1,7 +1,7 @@
 """Compares runs with measurements: alignment, figures of the difference, a tube that gives a verdict."""
 
 from cosim.comparison._alignment import Alignment
-from cosim.comparison._compare import Comparison, Revolutions, compare
+from cosim.comparison._compare import Comparison, Revolutions, compare, figure_names
 from cosim.comparison._curve import Curve, Pair, on_one_grid
 from cosim.comparison._measures import Spectrum
 from cosim.comparison._options import OF_THE_QUANTITY, SIGNALS, Options, Quantity
@@ -22,6 +22,7 @@ __all__ = [
     "Tube",
     "compare",
     "draw",
+    "figure_names",
     "on_one_grid",
     "tube",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from cosim.assessment import Trace, trace
 from cosim.comparison import _measures as measures
 from cosim.comparison._alignment import POINTS, find_lag, over_angle
 from cosim.comparison._curve import Curve, Pair, on_one_grid
-from cosim.comparison._options import SIGNALS, Options
+from cosim.comparison._options import SIGNALS, Options, Quantity
 from cosim.comparison._revolutions import Envelope, envelope, share_inside, turned
 from cosim.comparison._tube import Tube, tube
 from cosim.engine import Result
@@ -31,6 +31,29 @@ _APART = 0.25
 """Revolutions by which the cranks may drift apart before that is told."""
 _WORTH_A_NOTE = 0.01
 """An offset of the torque by this part of its range is told."""
+
+
+_FIGURES = (
+    "rmse_{}",
+    "nrmse",
+    "bias_{}",
+    "peak_error_{}",
+    "valley_error_{}",
+    "correlation",
+    "gain",
+    "offset_{}",
+    "lag_s",
+    "peak_timing_mean_s",
+    "peak_timing_worst_s",
+    "tube_excess_{}",
+    "tube_outside",
+    "coherence_mean",
+)
+
+
+def figure_names(quantity: Quantity) -> tuple[str, ...]:
+    """Return the names of the figures of a comparison; those with a unit end in it."""
+    return tuple(name.format(SIGNALS[quantity][2]) for name in _FIGURES)
 
 
 @dataclass(frozen=True)
@@ -75,23 +98,23 @@ class Comparison:
     def figures(self) -> dict[str, float]:
         """Return the figures by name; those with a unit end in it."""
         line = measures.line(self.pair)
-        unit = self.suffix
-        return {
-            f"rmse_{unit}": measures.rmse(self.pair),
-            "nrmse": measures.nrmse(self.pair),
-            f"bias_{unit}": measures.bias(self.pair),
-            f"peak_error_{unit}": measures.peak_error(self.pair),
-            f"valley_error_{unit}": measures.valley_error(self.pair),
-            "correlation": measures.correlation(self.pair),
-            "gain": line.gain,
-            f"offset_{unit}": line.offset,
-            "lag_s": self.lag,
-            "peak_timing_mean_s": float(np.mean(self.timing)) if len(self.timing) else math.nan,
-            "peak_timing_worst_s": float(self.timing[np.abs(self.timing).argmax()]) if len(self.timing) else math.nan,
-            f"tube_excess_{unit}": float(self.outside.max()),
-            "tube_outside": float(np.mean(self.outside > 0.0)),
-            "coherence_mean": self.spectrum.mean_coherence(),
-        }
+        values = (
+            measures.rmse(self.pair),
+            measures.nrmse(self.pair),
+            measures.bias(self.pair),
+            measures.peak_error(self.pair),
+            measures.valley_error(self.pair),
+            measures.correlation(self.pair),
+            line.gain,
+            line.offset,
+            self.lag,
+            float(np.mean(self.timing)) if len(self.timing) else math.nan,
+            float(self.timing[np.abs(self.timing).argmax()]) if len(self.timing) else math.nan,
+            float(self.outside.max()),
+            float(np.mean(self.outside > 0.0)),
+            self.spectrum.mean_coherence(),
+        )
+        return dict(zip(figure_names(self.options.quantity), values, strict=True))
 
     def to_dict(self) -> dict[str, object]:
         """Return everything as a JSON document; what is not a number becomes None."""
@@ -105,6 +128,10 @@ class Comparison:
             "unit": self.unit,
             "align": self.options.align,
             "smoothing": self.options.smoothing,
+            "options": {
+                name: None if isinstance(value, float) and not math.isfinite(value) else value
+                for name, value in asdict(self.options).items()
+            },
             **figures,
             "tube_pass": self.tube_pass,
             "samples": len(self.pair.time),
