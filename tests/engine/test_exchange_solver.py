@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from coupled_systems import CoupledSystems, exact
 from fmu_builder import MODELS, build, edited
 
-from cosim.engine import Component, Connection, Fmu, PartialResultError, Result, System, simulate
+from cosim.engine import Algorithm, Component, Connection, Fmu, PartialResultError, Result, System, simulate
 from cosim.fmu import catalogue
 
 Get = Callable[..., Fmu]
@@ -139,12 +140,13 @@ def test_where_the_fmu_discards_a_step_a_shorter_one_is_taken(variant: Get, vers
             {"grows": 1.0},
             r"cannot be integrated from (0\.99999|1)\S* s on: the step size had to be reduced .* in x;",
         ),
+        ({"jumps": 1.0}, r"cannot be integrated from \S+ s on: the last 10,000 steps have covered .* s; .* in v;"),
     ],
 )
 @versions
 def test_why_there_is_no_step_is_said(variant: Get, version: int, parameters: dict[str, float], said: str) -> None:
     with pytest.raises(PartialResultError, match=rf"failed at t = \d.*m \(tracker\): {said}|{said}"):
-        run(variant("tracker", version), 1e-6, stop=2.0, **parameters)
+        run(variant("tracker", version), 1e-8, stop=2.0, **parameters)
 
 
 @versions
@@ -206,3 +208,20 @@ def test_short_flights_are_not_stepped_over(variant: Get, version: int) -> None:
     """The ball bounces without loss every 0.9 s, in a run whose fiftieth is twice as long."""
     result = run(variant("ball", version, claims="nothing"), 1e-3, stop=90.0, interval=90.0, e=1.0)
     assert work(result)["state_events"] == math.floor(90.0 / (2.0 * math.sqrt(2.0 / 9.81)) + 0.5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("algorithm", "step", "within"), [("iterated", 2e-3, 1e-5), ("adaptive", None, 3e-6)])
+@versions
+def test_algorithms_that_repeat_steps_take_it_back(
+    coupled: CoupledSystems, version: int, algorithm: Algorithm, step: float | None, within: float
+) -> None:
+    """A plant cut into two FMUs, both for Model Exchange, against the matrix exponential."""
+    system = coupled.system("oscillator", 3 if version == 3 else 2)
+    for component in system.components:
+        component.fmu = Fmu.read(component.fmu.path, "ModelExchange")
+    result = simulate(system, stop=2.0, output_interval=0.02, tolerance=1e-6, algorithm=algorithm, step=step)
+    for name, values in exact("oscillator", result.time).items():
+        assert np.abs(result.columns[name] - values).max() < within * np.ptp(values), name
+    for component in system.components:
+        component.fmu.close()

@@ -217,6 +217,7 @@ TRACKER = Model(
         Described("t_nan", 10, "parameter", "fixed", start="1e9", unit="s"),
         Described("grows", 11, "parameter", "fixed", "Boolean", start="false"),
         Described("done", 12, "local", "discrete", unit="s"),
+        Described("jumps", 13, "parameter", "fixed", "Boolean", start="false"),
     ),
     states=(("x", "der(x)"), ("v", "der(v)"), ("s", "der(s)")),
 )

@@ -13,6 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cosim.engine import Channel, Component, Fmu, System, simulate
+from cosim.engine._compilation import SOURCES, includes
 from cosim.fmu import catalogue
 from cosim.fmu.toolchain import PLATFORMS, compiler, fmi_headers
 
@@ -68,8 +69,18 @@ def test_a_binary_gives_the_same_numbers(
     np.testing.assert_allclose(rows, here, rtol=within, atol=within)
 
 
-def drive(fmu: Path, platform: str, folder: Path) -> NDArray[np.float64]:
-    """Compile the driver for a platform, and return what it prints for the FMU's binary."""
+@pytest.mark.parametrize("platform", ["x86_64-linux", "aarch64-linux"])
+def test_the_solver_for_model_exchange_runs_where_there_is_no_cvode(
+    need: Need, fmu: Path, here: NDArray[np.float64], platform: str, tmp_path: Path
+) -> None:
+    need("ziglang", programs=EMULATORS[platform].programs)
+    rows = drive(fmu, platform, tmp_path, "exchange_driver.c")
+    # another type of interface: the errors of either run are of the tolerance
+    np.testing.assert_allclose(rows, here, rtol=2e-5, atol=2e-5)
+
+
+def drive(fmu: Path, platform: str, folder: Path, driver: str = "driver.c") -> NDArray[np.float64]:
+    """Compile a driver for a platform, and return what it prints for the FMU's binary."""
     target, emulator = PLATFORMS[platform], EMULATORS[platform]
     with zipfile.ZipFile(fmu) as archive:
         library = Path(archive.extract(f"binaries/{platform}/RigPlant{target.suffix}", folder))
@@ -77,9 +88,9 @@ def drive(fmu: Path, platform: str, folder: Path) -> NDArray[np.float64]:
         token = opened.slave().guid
         references = {name: str(opened.variables[name].value_reference) for name in (*INPUTS, *OUTPUTS)}
     program = folder / ("driver.exe" if target.suffix == ".dll" else "driver")
-    source = str(Path(__file__).parent / "driver.c")
-    flags = ["-std=c11", "-O1", "-Wall", "-Wextra", f"-I{fmi_headers()}"]
-    libraries = [] if target.suffix == ".dll" else ["-ldl"]
+    source = str(Path(__file__).parent / driver)
+    flags = ["-std=c11", "-O1", "-Wall", "-Wextra", f"-I{fmi_headers()}", f"-I{SOURCES}", *includes()]
+    libraries = [] if target.suffix == ".dll" else ["-ldl", "-lm"]
     subprocess.run([*compiler(target), *flags, source, "-o", str(program), *libraries], check=True)
     given = [text for name, value in INPUTS.items() for text in (references[name], repr(value))]
     wanted = [references[name] for name in OUTPUTS]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from ctypes import c_bool, c_void_p
+from ctypes import CFUNCTYPE, c_bool, c_int, c_void_p
 from typing import Any, ClassVar
 
 from cosim.engine._calls import Site
@@ -46,10 +46,6 @@ class Stepper(ABC):
     @abstractmethod
     def begin(self, tolerance: float, stop: float | None) -> int:
         """Make the solver, for a run to ``stop`` [s] with a relative tolerance; handle the first events."""
-
-    @abstractmethod
-    def state(self, verb: str, place: c_void_p) -> int:
-        """Keep a state, go back to one, or free it: "Get", "Set" or "Free", as FMI has them."""
 
     @abstractmethod
     def failure(self) -> CallError | None:
@@ -163,8 +159,9 @@ class ExchangeInstance(Instance):
         return self._stepper.pointer(function)
 
     def _state(self, verb: str, place: c_void_p) -> None:
-        self.check(self.state_symbol(verb), self._stepper.state(verb, place))
-        self._initialized = True
+        function = self.state_symbol(verb)
+        call = CFUNCTYPE(c_int, c_void_p, c_void_p)(self.pointer(function))
+        self.check(function, call(self.component, place))
 
     def exit_initialization(self) -> None:
         """Leave Initialization Mode, into Event Mode; the first events are handled unless the loop does that."""

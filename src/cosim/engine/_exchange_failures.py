@@ -67,3 +67,13 @@ def singular(instance: Instance, t: float, state: str) -> CallError:
         f"is {state}",
         "check its parameters and its inputs at that time",
     )
+
+
+def no_progress(instance: Instance, t: float, covered: float, state: str) -> CallError:
+    """Return the error for very many steps up to t [s] that have covered next to no time [s]."""
+    return CallError(
+        instance,
+        f"cannot be integrated from {t:.9g} s on: the last 10,000 steps have covered {covered:.2g} s; the largest "
+        f"error is in {state}",
+        "check for a derivative that jumps to and fro without an event, and smooth it or give it a hysteresis",
+    )

@@ -41,11 +41,12 @@ _COUNTERS = ("steps", "rejected_steps", "rhs_evaluations", "jacobians", "state_e
     _NOT_FINITE,
     _STEP_TOO_SMALL,
     _SINGULAR,
+    _NO_PROGRESS,
     _EVENTS_WITHOUT_END,
     _UPDATES_WITHOUT_END,
     _EVENT_IN_THE_PAST,
     _WANTS_TO_END,
-) = range(1, 9)
+) = range(1, 10)
 
 _DO_STEP = CFUNCTYPE(c_int, c_void_p, c_double, c_double, c_bool, *(4 * [c_void_p]))
 _UPDATE = CFUNCTYPE(c_int, c_void_p, *(6 * [c_void_p]))
@@ -189,11 +190,6 @@ class NativeStepper(Stepper):
             raise AttributeError(function)
         return cast(self._library[symbol], c_void_p).value or 0
 
-    def state(self, verb: str, place: c_void_p) -> int:
-        """Do so for the FMU and the solver together."""
-        function = self._instance.state_symbol(verb)
-        return int(CFUNCTYPE(c_int, c_void_p, c_void_p)(self.pointer(function))(self.component, place))
-
     def failure(self) -> CallError | None:
         """Return why the last call has failed, in words."""
         instance, trouble = self._instance, _Trouble()
@@ -207,6 +203,8 @@ class NativeStepper(Stepper):
             return failures.too_small(instance, trouble.t, trouble.h, state, self.tolerance)
         if trouble.kind == _SINGULAR:
             return failures.singular(instance, trouble.t, state)
+        if trouble.kind == _NO_PROGRESS:
+            return failures.no_progress(instance, trouble.t, trouble.h, state)
         if trouble.kind == _EVENTS_WITHOUT_END:
             return failures.without_end(instance, trouble.t)
         if trouble.kind == _UPDATES_WITHOUT_END:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from ctypes import c_void_p
 from math import inf
-from typing import Any
 
 from cosim.engine._exchange import ExchangeInstance, Stepper
 from cosim.engine._exchange_failures import MOST_EVENTS, MOST_UPDATES, announces_the_past, never_settles, without_end
@@ -40,7 +38,6 @@ class PythonStepper(Stepper):
         self._next = inf  # time that the FMU has announced
         self._last, self._repeated = -inf, 0  # time of the last event, and how many there were
         self._began = False
-        self._kept: dict[int, tuple[Any, ...]] = {}  # by the FMU's handle of its state
         self._counts = dict.fromkeys(("steps", "rhs_evaluations", "state_events", "time_events", "step_events"), 0)
         self.do_step = self._do_step
         self.enter_event = self._guarded(self._enter_event)
@@ -78,26 +75,6 @@ class PythonStepper(Stepper):
         if not instance.own_events:
             self._settle()
         return 0
-
-    def state(self, verb: str, place: c_void_p) -> int:
-        """Do so for the FMU; CVode starts anew where it goes on, so that its steps are others."""
-        status = self._instance.bind(self._instance.state_symbol(verb), place)()
-        if status >= FAILED:
-            return status
-        if verb == "Set":
-            counts, *rest = self._kept[place.value or 0]
-            self._counts.update(counts)
-            self._integration.now, self._in_events, self._dirty, self._next, self._last, self._repeated = rest
-            self._open = self._root = False
-            self._front = self._integration.now
-            if not self._in_events:
-                self._integration.start(self._limit())
-            return status
-        handle = c_void_p.from_address(place.value or 0).value or 0
-        if verb == "Get":
-            events = self._in_events, self._dirty, self._next, self._last, self._repeated
-            self._kept[handle] = (dict(self._counts), self._integration.now, *events)
-        return status
 
     def failure(self) -> CallError | None:
         """Return it."""

@@ -141,7 +141,7 @@ static double *next_of(double **free, size_t n) {
 /* A new instance, null if there is no memory for it. */
 EXPORT void *cosim_exchange_new(const Known *fmu) {
     const size_t n = (size_t)fmu->n_states, n_z = (size_t)fmu->n_indicators;
-    const size_t n_kept = (5 + RODAS_DENSE) * n + 2 * n_z;
+    const size_t n_kept = (6 + RODAS_DENSE) * n + 2 * n_z;
     const size_t doubles = n_kept + (RODAS_STAGES + 5 + 2 * n) * n + LOOKS * n_z;
     const size_t others = n * (sizeof(ValueReference) + 2 * sizeof(int32_t) + sizeof(int));
     Exchange *x = calloc(1, sizeof *x + doubles * sizeof(double) + others);
@@ -150,7 +150,8 @@ EXPORT void *cosim_exchange_new(const Known *fmu) {
     x->fmu = *fmu;
     x->n_kept = n_kept;
     x->kept = place;
-    double **kept[] = {&x->x, &x->f, &x->nominal, &x->start, &x->end, &x->dense[0], &x->dense[1], &x->dense[2]};
+    double **kept[] = {&x->x,        &x->f,        &x->nominal,  &x->start, &x->end,
+                       &x->dense[0], &x->dense[1], &x->dense[2], &x->was};
     for (size_t i = 0; i < sizeof kept / sizeof *kept; i++) *kept[i] = next_of(&place, n);
     x->side = next_of(&place, n_z);
     x->looks = next_of(&place, LOOKS * n_z); /* the first of them is kept, too: the last one of the step before */

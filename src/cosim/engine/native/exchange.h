@@ -53,6 +53,7 @@ typedef enum {
     NOT_FINITE,          /* the rate of `state`, whatever the step */
     STEP_TOO_SMALL,      /* `h`; the largest error is in `state` */
     SINGULAR,            /* the equations of a step's stages, whatever the step */
+    NO_PROGRESS,         /* the last steps have covered `h`; the largest error is in `state` */
     EVENTS_WITHOUT_END,  /* at one instant */
     UPDATES_WITHOUT_END, /* of the discrete states */
     EVENT_IN_THE_PAST,   /* `value` is announced for the next one */
@@ -76,6 +77,8 @@ typedef struct {
     double longest;    /* step of the solver */
     StepControl control;
     int64_t repeated;  /* events at one instant */
+    double watched;    /* from when on it is watched whether the steps get anywhere, after how many */
+    int64_t attempts, events;
     int64_t counts[COUNTERS];
     int32_t initialized, in_event_mode;
     int32_t dirty;     /* its discrete states are to be updated */
@@ -98,6 +101,7 @@ typedef struct {
     double *f;          /* their rates there, if rated */
     double *nominal;
     double *start, *end, *dense[RODAS_DENSE]; /* the solver's last step */
+    double *was;        /* the states since it is watched whether the steps get anywhere */
     double *side;       /* of zero each indicator is since the last event: 1, -1, or 0 while that is not known */
     /* Scratch, of no meaning between two calls. */
     double *K[RODAS_STAGES], *J, *W, *f_t, *trial, *rates, *seed, *gain;

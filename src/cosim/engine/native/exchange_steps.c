@@ -6,6 +6,9 @@
 
 #include "exchange.h"
 
+#define MANY 10000 /* steps, as in the FMUs' own solver */
+#define FEW_TOLERANCES 2.0
+
 /* Beyond this no step goes. */
 static double limit_of(const Exchange *x) { return fmin(x->m.next, x->m.stop); }
 
@@ -34,6 +37,39 @@ static Answer too_small(Exchange *x, double h, Answer last) {
     x->trouble.h = h;
     x->trouble.state = x->worst;
     return ENDED;
+}
+
+static int64_t events_of(const Moment *m) {
+    return m->counts[STATE_EVENTS] + m->counts[TIME_EVENTS] + m->counts[STEP_EVENTS];
+}
+
+static void watch_from_here(Exchange *x) {
+    x->m.watched = x->m.front;
+    x->m.attempts = 0;
+    x->m.events = events_of(&x->m);
+    memcpy(x->was, x->x, (size_t)x->fmu.n_states * sizeof(double));
+}
+
+/* After a step of the solver's own choice was accepted or rejected: refuse to go on where ever so many of them, with
+ * hardly an event to blame, move nothing by more than a few tolerances. A smooth solution moves by far more. */
+static bool gets_anywhere(Exchange *x) {
+    Moment *m = &x->m;
+    if (++m->attempts < MANY) return true;
+    const double passed = m->front - m->watched;
+    double moved = 0.0;
+    for (int i = 0; i < (int)x->fmu.n_states; i++) {
+        const double way = fmax(fabs(x->x[i] - x->was[i]), fabs(x->f[i]) * passed);
+        moved = fmax(moved, way / (fabs(x->x[i]) + x->nominal[i]));
+    }
+    if (events_of(m) - m->events > MANY / 100 || moved > MANY * FEW_TOLERANCES * m->tolerance) {
+        watch_from_here(x);
+        return true;
+    }
+    fail_with(x, NO_PROGRESS);
+    x->trouble.t = m->front;
+    x->trouble.h = passed;
+    x->trouble.state = x->worst;
+    return false;
 }
 
 /* What the solver's step says of the step h that was tried: whether it and its indicators can be had. */
@@ -70,10 +106,11 @@ static Answer integrate(Exchange *x, double limit, double *theta) {
         if (error <= 1.0) {
             control_accept(control, h, error);
             m->counts[STEPS]++;
-            return ANSWERED;
+            return h < wanted || gets_anywhere(x) ? ANSWERED : ENDED;
         }
         control_reject(control, h, error);
         m->counts[REJECTED_STEPS]++;
+        if (h == wanted && !gets_anywhere(x)) return ENDED;
         if (control->h < smallest) return too_small(x, control->h, answer);
     }
 }
