@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -55,9 +56,10 @@ def undescribed_integrator(tmp_path_factory: pytest.TempPathFactory) -> Iterator
 
 @pytest.fixture(scope="session")
 def coupled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CoupledSystems]:
-    """Plants in two parts that drive each other; see ``coupled_systems``."""
+    """Plants in two parts that drive each other; see ``coupled_systems``. A folder may have their FMUs already."""
     pytest.importorskip("rumoca")
-    systems = CoupledSystems(tmp_path_factory.mktemp("coupled"))
+    built = os.environ.get("COSIM_TEST_FMUS")
+    systems = CoupledSystems(Path(built) if built else tmp_path_factory.mktemp("coupled"))
     yield systems
     systems.close()
 

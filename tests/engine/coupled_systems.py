@@ -134,7 +134,7 @@ COUPLED = {
 
 
 class CoupledSystems:
-    """Makes the systems; each FMU is built in a folder when it is first needed, and read once."""
+    """Makes the systems; each FMU is built in a folder when it is first needed, if it is not there, and read once."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -143,7 +143,9 @@ class CoupledSystems:
     def fmu(self, model: str, fmi: Version = 3) -> Fmu:
         """Return the FMU of a model of tests/models/Split."""
         if (model, fmi) not in self._opened:
-            path = export(MODELS, f"Split.{model}", self._folder, fmi="2.0" if fmi == 2 else "3.0")
+            path = self._folder / (f"{model}.fmi2.fmu" if fmi == 2 else f"{model}.fmu")
+            if not path.exists():
+                export(MODELS, f"Split.{model}", self._folder, fmi="2.0" if fmi == 2 else "3.0")
             self._opened[model, fmi] = Fmu.read(path)
         return self._opened[model, fmi]
 

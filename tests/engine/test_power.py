@@ -144,14 +144,12 @@ def test_what_depends_directly_is_marked(coupled: CoupledSystems) -> None:
     assert fine["error_J"] == pytest.approx(0.5 * coarse["error_J"], rel=0.1)
 
 
-def test_what_acts_at_instants_is_not_measured(fmu: Get) -> None:
-    sampler = fmu("sampler")
+def test_what_acts_at_instants_is_not_measured(integrator: Fmu, fmu: Get) -> None:
     system = System(
-        [Component("p", fmu("integrator"), {"x0": 1.0}), Component("c", sampler)],
+        [Component("p", integrator, {"x0": 1.0}), Component("c", fmu("sampler"))],
         [Connection(("p", "x"), ("c", "u")), Connection(("c", "y"), ("p", "u"))],
+        power=[PowerConnection(("p", "x"), ("c", "y"))],
     )
-    system.components[0].fmu.variables["x"] = replace(system.components[0].fmu.variables["x"], unit="N")
-    system.power = [PowerConnection(("p", "x"), ("c", "y"))]
     account = only(gauss_seidel(system))
     assert (account["error_J"], account["note"]) == (None, "not measured: c acts at instants")
 

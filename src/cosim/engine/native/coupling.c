@@ -154,6 +154,7 @@ static void move_numbers(const Engine *engine, const Coupling *c, int place, boo
     const int64_t n = engine->n_bonds, sizes[] = {c->n_numbers, c->n_inputs, c->n_links, c->n_links, 2, 3 * n, 2 * n};
     double *kept = c->kept[place];
     for (int i = 0; i < 7; i++) {
+        if (sizes[i] == 0) continue; /* there may be no memory for none */
         memcpy(back ? parts[i] : kept, back ? kept : parts[i], (size_t)sizes[i] * sizeof(double));
         kept += sizes[i];
     }
