@@ -102,9 +102,9 @@ def main() -> None:
         print(f"{name}: {wall:.3f} s (CPU {cpu:.3f} s), {outcome.work}, RMSE {rms:.6f} A; {errors}", flush=True)
         return wall
 
-    ours = report("cosim, shooting", lambda: by_cosim(data, "shooting"), 4 * repetitions)
+    ours = report("cosim, shooting", lambda: by_cosim(data, "shooting"), repetitions)
     unknown = [replace(each, known=None) for each in data]
-    report("cosim, initial states not known", lambda: by_cosim(unknown, "shooting"), 4 * repetitions)
+    report("cosim, initial states not known", lambda: by_cosim(unknown, "shooting"), repetitions)
     report("cosim, collocation by IPOPT, initial states not known", lambda: by_cosim(unknown, "collocation"), 1)
     theirs = []
     for method, tolerance, step in SETUPS:

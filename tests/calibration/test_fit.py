@@ -135,6 +135,22 @@ def test_both_methods_find_the_same(dae: Dae, workbooks: list[Path]) -> None:
         assert one.error == pytest.approx(other.error, rel=1e-4)
 
 
+def test_what_the_supply_loses_on_its_way_is_found_and_not_set_in_the_plant(
+    dae: Dae, workbooks: list[Path], tmp_path: Path
+) -> None:
+    data = [data_of(read(path)) for path in workbooks]
+    measured_before = [replace(each, supply=each.supply + 0.8) for each in data]
+    names = ["d_joint", "ext_load", "supply_drop"]
+    found = fitted(dae, names, measured_before, {"J_rotor": TRUE["J_rotor"]} | ETA)
+    assert found.value("supply_drop") == pytest.approx(0.8, abs=0.03)
+    for name in names[:2]:
+        assert found.value(name) == pytest.approx(TRUE[name], rel=0.03)
+    document = write_fit(found, tmp_path / "fit.json", {"supply_drop": (0.1, "V")})
+    assert [s.name for s in read_parameters(tmp_path / "fit.json")] == ["plant.d_joint", "plant.ext_load"]
+    (drop,) = document["local"]  # type: ignore[misc]
+    assert (drop["name"], drop["unit"]) == ("supply_drop", "V")
+
+
 def test_outliers_count_less_in_a_robust_fit(dae: Dae, workbooks: list[Path]) -> None:
     data = data_of(read(workbooks[1]), 1.0)
     current = data.current.copy()

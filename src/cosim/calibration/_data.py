@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.calibration._equations import SUPPLY_DROP
 from cosim.calibration._model import Model
 from cosim.errors import InputError
 from cosim.measurement import Measurement, zero_phase
@@ -87,7 +88,8 @@ class Data:
         current = zero_phase(self.current, max(3, round(0.02 / step)))
         k, resistance, ratio, inductance = (model.values[n] for n in ("k_emf", "motor.R", "gear.ratio", "motor.L"))
         inductance += 2.0 * model.values["motor.L_filter"]
-        emf = self.supply_at(self.time) - resistance * current - inductance * np.gradient(current, self.time)
+        supply = self.supply_at(self.time) - model.values[SUPPLY_DROP]
+        emf = supply - resistance * current - inductance * np.gradient(current, self.time)
         speed = np.maximum(emf / (k * ratio), 0.0)
         if self.from_rest:
             speed = np.where(self.time < self.time[0] + 0.004, 0.0, speed)

@@ -16,11 +16,13 @@ from cosim.errors import InputError
 
 OUTPUTS = ("i_motor", "tau_crank")
 """What can be measured: motor current [A] and torque on the gear's output shaft [N.m]."""
+SUPPLY, SUPPLY_DROP = "v_supply", "supply_drop"
+"""The input, and by how much [V] it is lower than measured: a parameter of the measurement, not of the plant."""
 
 
 @dataclass(frozen=True)
 class Equations:
-    """Functions of x, z, u and p: states, torn unknowns, inputs and all parameters, in the order of the Dae.
+    """Functions of x, z, u and p: states, torn unknowns, inputs, and all parameters as in the Dae, then SUPPLY_DROP.
 
     ``rhs`` gives dx/dt, the residuals 0 = r and the OUTPUTS. ``value`` gives z after one Newton step of each block of
     0 = r, then dx/dt with it; ``point`` also its derivatives by q = [x; fitted parameters] along 0 = r. ``outputs`` are
@@ -49,19 +51,22 @@ def equations(dae: Dae, names: Sequence[str], held: Mapping[str, float], watched
         InputError: the plant is none of the wiper drive, or depends on something else than these arguments.
     """
     parameters, values = _parameters(dae, names)
+    drop = SX.sym(SUPPLY_DROP)
     known = {name: SX(value) for name, value in held.items()} | {dae.initial.name(): SX(0.0)} | values
+    known |= {s.symbol.name(): s.symbol - drop for s in dae.inputs if s.name == SUPPLY}
     f, r, y = (substitute(e, known) for e in (dae.derivatives, dae.residuals, outputs_of(dae)))
     indicators = {relation.symbol.name(): relation.indicator for relation in dae.relations}
     g = substitute(_column([indicators[name] for name in watched]), known)
     x, u = _column([s.symbol for s in dae.states]), _column([s.symbol for s in dae.inputs])
-    p = _column([each.scalar.symbol for each in dae.parameters])
+    symbols = {each.scalar.name: each.scalar.symbol for each in dae.parameters} | {SUPPLY_DROP: drop}
+    p = _column(list(symbols.values()))
     arguments = [x, dae.z, u, p]
     free = {s.name() for s in ca.symvar(ca.vertcat(f, r, y, g))}
     extra = free - {s.name() for a in arguments for s in ca.symvar(a)}
     if extra:
         raise InputError(f"{dae.name} depends on {', '.join(sorted(extra))} in a way that cannot be fitted")
-    independent = _column([each.scalar.symbol for each in dae.parameters if each.independent])
-    q = ca.vertcat(x, *(each.scalar.symbol for name in names for each in dae.parameters if each.scalar.name == name))
+    independent = _column([*(each.scalar.symbol for each in dae.parameters if each.independent), drop])
+    q = ca.vertcat(x, *(symbols[name] for name in names))
     there = _along(f, r, y, dae.z, q)
     return Equations(
         rhs=_function("rhs", arguments, [f, r, y]),
@@ -69,7 +74,7 @@ def equations(dae: Dae, names: Sequence[str], held: Mapping[str, float], watched
         point=_function("point", arguments, there[:3]),
         outputs=tuple(_function(n, arguments, [there[3][k], there[4][k, :]]) for k, n in enumerate(OUTPUTS)),
         relations=_function("relations", arguments, [g]),
-        parameters=_function("parameters", [independent], [parameters]),
+        parameters=_function("parameters", [independent], [ca.vertcat(parameters, drop)]),
     )
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cosim.calibration._equations import SUPPLY_DROP
 from cosim.calibration._results import Fit
 from cosim.scenario import write_parameters
 
@@ -17,6 +18,7 @@ def write_fit(
     """Write the parameters, and beside them how certain they are and how well they fit; return what is written.
 
     Local parameters have no one value: where there are several measurements, they stand under "local", and are not set.
+    Nor is the supply's drop, which is none of the plant.
 
     Args:
         found: the fit.
@@ -45,12 +47,16 @@ def write_fit(
             "at_bound": each.at_bound,
             "provenance": provenance,
         }
-        if each.of is None or len(fitted) == 1:
+        if each.name == SUPPLY_DROP:
+            local.append(entry | {"name": each.name, "of": each.of or ", ".join(data.name for data in fitted)})
+        elif each.of is None or len(fitted) == 1:
             entries.append(entry)
         else:
             local.append(entry | {"of": each.of, "provenance": f"fitted to {each.of}"})
     for name, (value, unit) in (fixed or {}).items():
-        entries.append({"name": f"{component}.{name}", "value": value, "unit": unit, "provenance": "given, not fitted"})
+        entry = {"name": f"{component}.{name}", "value": value, "unit": unit, "provenance": "given, not fitted"}
+        if name != SUPPLY_DROP:
+            entries.append(entry)
     spread = found.uncertainty
     more: dict[str, object] = {
         "local": local,

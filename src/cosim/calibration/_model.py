@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import casadi as ca
@@ -15,7 +16,7 @@ from filelock import FileLock
 from numpy.typing import NDArray
 
 from cosim.calibration._compiled import Library, Track, library
-from cosim.calibration._equations import equations
+from cosim.calibration._equations import SUPPLY, equations
 from cosim.calibration._grid import STAGES, intervals, points_of
 from cosim.calibration._plant import Plant, plant_of
 from cosim.dae import Dae
@@ -108,7 +109,7 @@ class Model:
 
     def inputs(self, supply: Array) -> Array:
         """Return the inputs for these supply voltages [V], shape (n, inputs): full duty, no disturbance."""
-        columns = {"duty": np.ones(len(supply)), "v_supply": supply}
+        columns = {"duty": np.ones(len(supply)), SUPPLY: supply}
         return np.array([columns.get(name, np.zeros(len(supply))) for name in self.plant.inputs]).T
 
     def unknowns(self, angle: Array) -> Array:
@@ -223,7 +224,25 @@ def _plant(dae: Dae | None, folder: Path) -> Plant:
 
 def _folder() -> Path:
     """The folder in the user's cache; another one as soon as its content would be."""
+    package = Path(__file__).parents[1]
+    roots = [catalogue.entry_of(_PLANT).source, *(package / name for name in ("modelica", "dae", "fmu", "calibration"))]
+    return _folder_of(tuple(stamp for root in roots for stamp in _stamps(root)))
+
+
+@lru_cache(maxsize=1)
+def _folder_of(_stamps: tuple[tuple[str, int, int], ...]) -> Path:
+    """Read and digest all sources: once, until one of them has another stamp."""
     digest = hashlib.sha256()
     for name in _SOURCES:
         digest.update((Path(__file__).parent / name).read_bytes())
     return catalogue.scratch(_PLANT, f"calibration {digest.hexdigest()}")
+
+
+def _stamps(folder: Path) -> list[tuple[str, int, int]]:
+    """Names of the files below a folder, with their sizes and when they were written."""
+    found = []
+    for place, _, names in os.walk(folder):
+        for name in names:
+            stat = os.stat(os.path.join(place, name))  # noqa: PTH116, PTH118 - Path takes as long as reading
+            found.append((name, stat.st_size, stat.st_mtime_ns))
+    return found

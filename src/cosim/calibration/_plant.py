@@ -9,7 +9,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from cosim.calibration._equations import outputs_of
+from cosim.calibration._equations import SUPPLY, SUPPLY_DROP, outputs_of
 from cosim.dae import Dae
 from cosim.engine import Channel, Component, System, simulate
 from cosim.errors import InputError
@@ -94,7 +94,7 @@ def plant_of(dae: Dae, kept: Path | None = None) -> Plant:
         channels = [Channel(("model", "duty"), [0.0], [1.0])]
         system = System([Component("model", inside.fmu, {})], channels=channels)
         result = simulate(system, stop=_STOP, output_interval=2e-3, tolerance=1e-8)
-        supply = float(inside.inputs({})["v_supply"])
+        supply = float(inside.inputs({})[SUPPLY])
         names = inside.columns
     x, z, d, c = (np.array([result.columns[f"model.{n}"] for n in names[kind]], dtype=float) for kind in "xzdc")
     turning = x[[s.name for s in dae.states].index("phi_crank")] / (2.0 * np.pi)
@@ -120,7 +120,7 @@ def plant_of(dae: Dae, kept: Path | None = None) -> Plant:
             Parameter(p.scalar.name, p.scalar.declaration.unit or "1", dae.parameter_values[p.scalar.name],
                       p.scalar.declaration.type)
             for p in dae.parameters if p.independent
-        ],
+        ] + [Parameter(SUPPLY_DROP, "V", 0.0, "Real")],
         dependent=sum(not p.independent for p in dae.parameters),
         held=held,
         watched=[

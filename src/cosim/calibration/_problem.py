@@ -62,6 +62,11 @@ class Part:
         return np.diff(self.borders)
 
     @property
+    def is_cut(self) -> bool:
+        """Whether this is the beginning of a measurement only."""
+        return int(self.sampling.shape[0]) < len(self.data.time)
+
+    @property
     def samples(self) -> int:
         """How many residuals there are."""
         return int(self.sampling.shape[0]) * len(self.data.measured)

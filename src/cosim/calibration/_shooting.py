@@ -24,6 +24,8 @@ _WAYS = ((_SHORT,), (_SHORT, _LONGER), ())
 """What comes before the whole. The next way is tried while residuals are not near the noise; the best one counts."""
 _ROUGH, _FINE = 1e-3, 1e-8
 """A descent ends when a step promises to lower the cost by less than this part; over a beginning, over all."""
+_LOOSELY = 1e-4
+"""Newton's method may end with a step of this size beside the nominal sizes over a beginning."""
 _PHASES, _FEW = 8, 20
 """So many angles of the crank are tried at the beginning if the motor runs already, with so many steps each."""
 _MET = 1.5
@@ -272,7 +274,8 @@ class _Search:
         return Spot(cost, gradient, hessian, tuple(followed for followed, _ in found), squares)
 
     def _followed(self, part: Part, x0: Array, theta: Array, near: Followed | None) -> tuple[Followed, Sums]:
-        followed = follow_part(self._problem, part, x0, theta, near)
+        rough = {"tolerance": _LOOSELY} if part.is_cut else {}
+        followed = follow_part(self._problem, part, x0, theta, near, **rough)
         return followed, sums_of(self._problem, part, followed, HUBER if self._robust else np.inf)
 
     def _known(self, theta: Array, gradient: Array, hessian: Array) -> float:

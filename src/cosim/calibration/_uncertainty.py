@@ -114,7 +114,7 @@ def uncertainty(names: Sequence[str], parts: Sequence[Sensitivity], priors: Arra
     chi = float(np.sqrt(squares / freedom))
     jacobian = np.vstack([*(each / max(chi, _NO_NOISE) for each in projected), np.diag(priors)])
     relative = jacobian * np.where(theta == 0.0, 1.0, theta)
-    _, values, rows = np.linalg.svd(relative, full_matrices=False)
+    _, values, rows = np.linalg.svd(np.linalg.qr(relative, mode="r"), full_matrices=False)
     tiny = np.finfo(float).eps * max(float(values[0]), 1e-300) * len(jacobian)
     spread = 1.0 / np.maximum(values, tiny)
     covariance = (rows.T * spread**2) @ rows
