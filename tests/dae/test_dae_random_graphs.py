@@ -186,6 +186,7 @@ def step_response(A: np.ndarray, B: np.ndarray, C: np.ndarray, t: float) -> np.n
     return C @ expm(whole * t)[:n, n]
 
 
+@pytest.mark.slow
 @same_every_time
 @given(trains())
 def test_a_random_gear_train_moves_as_its_minimal_coordinates_say(tmp_path: Path, train: Train) -> None:

@@ -109,8 +109,7 @@ def test_faults(saving: Get, tmp_path: Path, kind: FaultKind, target: tuple[str,
             same(under(loop, system, resume=again(checkpoint, tmp_path), **run), reference)
 
 
-@pytest.mark.parametrize("version", ["3.0", "2.0"])
-@pytest.mark.parametrize("name", ["linkage_20ms", "linkage_disturbed", "rig_20ms"])
+@pytest.mark.parametrize(("name", "version"), [("linkage_20ms", "3.0"), ("rig_20ms", "2.0")])
 def test_the_wiper_drive(name: str, version: str, tmp_path: Path) -> None:
     bytes_agree(name, version, "native", count=4, stop=5.0, folder=tmp_path)
 

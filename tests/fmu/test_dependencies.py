@@ -219,6 +219,7 @@ def test_initial_unknowns_change_with_nothing_but_what_is_listed(build: Build, n
     assert looked >= len(knowns)
 
 
+@pytest.mark.slow
 def test_outputs_follow_an_input_at_once_only_if_it_is_listed(build: Build) -> None:
     path = build("WiperDrive.Systems.LinkagePlant")
     listed = declared(path, "outputs")

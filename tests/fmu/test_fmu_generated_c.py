@@ -79,7 +79,7 @@ def without_names(code: str) -> str:
 @pytest.mark.parametrize(
     "model",
     [
-        "WiperDrive.Controllers.VoltageProfile",
+        pytest.param("WiperDrive.Controllers.VoltageProfile", marks=pytest.mark.slow),
         pytest.param("WiperDrive.Systems.LinkagePlant", marks=pytest.mark.slow),
         pytest.param("WiperDrive.Systems.RigPlant", marks=pytest.mark.slow),
         pytest.param("WiperDrive.Systems.SwitchedRigPlant", marks=pytest.mark.slow),

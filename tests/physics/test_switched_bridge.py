@@ -85,6 +85,7 @@ def test_means_agree_while_the_current_flows_on_and_part_as_computed_where_it_do
         assert flows_on == (averaged > V * d * (1 - d) * period / (2 * L))
 
 
+@pytest.mark.slow
 def test_at_100_khz_the_rig_draws_the_mean_current_of_the_averaged_bridge(simulate: Simulate) -> None:
     run = simulate("RigCharge", 0.8, 0.01, ("q_a", "q_s", "averaged.phi_crank", "switched.phi_crank"))
     assert run["q_s"][-1] == pytest.approx(run["q_a"][-1], rel=5e-3)
