@@ -249,8 +249,10 @@ def test_the_suite_is_clean_under_sanitizers(tmp_path: Path) -> None:
             *("power", "coupling_error"),
         )
     ]
+    # processes of their own start without these sanitizers, and what builds FMUs does not run with them
+    left_out = "not process_of_its_own and not our_own_plant"
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-k", "not process_of_its_own", *suite],
+        [sys.executable, "-m", "pytest", "-q", "-x", "-n", "0", "-p", "no:cacheprovider", "-k", left_out, *suite],
         check=False,
         env=environment,
         capture_output=True,
