@@ -96,6 +96,20 @@ FAULTY = Model(
     ),
     literals=("none", "not_a_number", "error", "discard", "terminate", "silent_error", "fatal", "early", "talkative"),
 )
+PICKY = Model(
+    "picky",
+    (
+        Described("u", 1, "input", start="0"),
+        Described("heard", 2, "input", "discrete", "String", start="0"),
+        Described("said", 3, "output", "discrete", "String"),
+        Described("x0", 10, "parameter", "fixed", start="0"),
+        Described("longest", 11, "parameter", "fixed", start="1e9", unit="s"),
+        Described("wrong", 12, "parameter", "fixed", "Enumeration", start="1"),
+        Described("x", 13, "output"),
+        Described("lag", 14, "output", unit="s"),
+    ),
+    literals=(*("none", "not_a_number", "error", "discard", "terminate", "fatal", "early", "run_away", "noise"),),
+)
 MIRROR = Model(
     "mirror",
     tuple(
@@ -241,6 +255,7 @@ MODELS = {
         SAMPLER,
         INTEGRATOR,
         FAULTY,
+        PICKY,
         MIRROR,
         VECTOR,
         LABEL,

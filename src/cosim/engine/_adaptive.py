@@ -5,22 +5,32 @@ length h in the continuous states to the part h / stop of it. Links that feed th
 add up, and may have the whole tolerance, unless the states behind them are unknown. Half steps of a method of order p
 have 1 / (2^p - 1) of the difference (Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I, II.4); the
 step size is controlled with the error of the last step, too (PI control: Gustafsson, ACM TOMS 17, 1991, p. 533).
+
+A step that a component does not finish, or at whose end the components find no agreement, is tried again shorter: what
+it was given may have been too far off. Only the shortest step may fail.
 """
 
 from __future__ import annotations
 
 from array import array
-from math import sqrt
+from math import inf, isfinite, isnan, sqrt
 
 from cosim.engine._agreement import agree
 from cosim.engine._coupling import INNER, OUTER, Coupling
+from cosim.engine._instance import CallError
 
 SHORTEST = 1e-7
-"""Macro step [s] that is not made any shorter."""
+"""Macro step [s] that is not made any shorter; of a run of less than a second, that part of its duration."""
+RESOLUTION = 1e-14
+"""As a part of the time reached: no step is shorter, since the time would not go on by just that."""
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 4.0
 _NOISE = 0.1
 """Differences below this part of the tolerance that do not fall with the step size are those of the FMUs' solvers."""
 _FALLS = 0.8
+_AGREES = 0.1
+"""Part of a signal by which the whole step and its halves may differ to tell how large the signal becomes."""
+_ERROR = 1e-4
+"""Least error over what is allowed that the control of the step size heeds; its reciprocal is the largest."""
 
 
 def advance_adaptively(coupling: Coupling, now: float, t: float, recording: bool) -> int:
@@ -28,48 +38,80 @@ def advance_adaptively(coupling: Coupling, now: float, t: float, recording: bool
     longest = (t - now) / coupling.method.parts
     if coupling.method.step is not None:
         longest = min(longest, coupling.method.step)
+    shortest = max(SHORTEST * min(coupling.stop, 1.0), RESOLUTION * t)
     steps = 0
     while now < t:
-        now = _step(coupling, now, t, longest, recording)
+        now = _step(coupling, now, t, (shortest, longest), recording)
         steps += 2
     return steps
 
 
-def _step(coupling: Coupling, now: float, t: float, longest: float, recording: bool) -> float:
+def _step(coupling: Coupling, now: float, t: float, limits: tuple[float, float], recording: bool) -> float:
     """Take one step from ``now``, in two halves; return where it ends [s]."""
+    shortest, longest = limits
     fresh = coupling.known == 0
     coupling.save(OUTER)
     last, noisy = 0.0, 0
     while True:
         rest = t - now
-        wanted = min(coupling.wanted, longest)
+        wanted = min(max(coupling.wanted, shortest), longest)
         h = rest if wanted >= rest else 0.5 * rest if wanted > 0.5 * rest else wanted
         end = t if h == rest else now + h
         middle = now + 0.5 * h
-        _solve(coupling, now, h, recording=False)
-        _note(coupling)
-        coupling.restore(OUTER)
-        _solve(coupling, now, 0.5 * h, recording=False)
-        coupling.push(now, 0.5 * h)
-        _solve(coupling, middle, end - middle, recording=recording and end == t)
-        error, plain = _errors(coupling, max(h, coupling.usual) if fresh else h)
+        try:
+            _take_in_halves(coupling, now, h, end, recording and end == t)
+            error, plain = _errors(coupling, max(h, coupling.usual) if fresh else h)
+        except CallError as failure:
+            if h <= shortest or failure.instance.is_broken:
+                raise
+            error = plain = inf
         noisy = noisy + 1 if last > 0.0 and error > _FALLS * last and plain < _NOISE else 0
-        if error <= 1.0 or h <= SHORTEST or noisy == 2:
+        if error <= 1.0 or h <= shortest or noisy == 2:
             break
         last = error
         coupling.wanted = max(SHORTEST, h * max(_LEAST, min(_SAFETY, _SAFETY / sqrt(error))))
         coupling.rejected += 1
         coupling.restore(OUTER)
-    coupling.forced += not error <= 1.0
+    if error == inf and (reason := lost(coupling)) is not None:
+        raise reason
+    coupling.forced += error > 1.0
     coupling.push(middle, end - middle)
+    coupling.enlarge()
     coupling.macro_steps += 2
     if not fresh:
         coupling.usual = h
-    factor = _SAFETY * max(error, 1e-4) ** -0.35 * coupling.error**0.2
-    coupling.error = max(error, 1e-4)
+    error = min(max(error, _ERROR), 1.0 / _ERROR)
+    factor = _SAFETY * error**-0.35 * coupling.error**0.2
+    coupling.error = error
     if h == wanted or factor < 1.0:
         coupling.wanted = max(SHORTEST, h * max(_LEAST, min(_MOST, factor)))
     return end
+
+
+def _take_in_halves(coupling: Coupling, now: float, h: float, end: float, recording: bool) -> None:
+    """Take a step of length h [s] whole, note what that leads to, and take it in halves, to exactly ``end`` [s]."""
+    middle = now + 0.5 * h
+    _solve(coupling, now, h, recording=False)
+    _note(coupling)
+    coupling.restore(OUTER)
+    _solve(coupling, now, 0.5 * h, recording=False)
+    coupling.push(now, 0.5 * h)
+    _solve(coupling, middle, end - middle, recording)
+
+
+def lost(coupling: Coupling) -> CallError | None:
+    """Return the error for the first linked input or state that is no finite number; None if there is none."""
+    for member in coupling.members:
+        instance = member.participant.instance
+        numbers = {f"input {coupling.links[i].name}": coupling.links[i].of(coupling.values) for i in member.links}
+        if member.observed is not None:
+            names = (f"state {instance.name}.{name}" for name in instance.fmu.state_names)
+            numbers |= zip(names, member.observed.values, strict=True)
+        for name, number in numbers.items():
+            if not isfinite(number):
+                what = f"its {name} becomes {number}, however short the macro step"
+                return CallError(instance, what, "check its parameters, and what its inputs are driven by at that time")
+    return None
 
 
 def _solve(coupling: Coupling, t: float, h: float, recording: bool) -> None:
@@ -101,25 +143,36 @@ def _note(coupling: Coupling) -> None:
 
 
 def _errors(coupling: Coupling, h: float) -> tuple[float, float]:
-    """Return the largest error of a step in two halves over what is allowed, and over the whole tolerance."""
+    """Return the largest error of a step in two halves over what is allowed, and over the whole tolerance.
+
+    Magnitudes on which the whole step and its halves agree roughly are noted, even if the step is rejected: the signals
+    will come to them. Others may be those of a step so long that it runs away.
+    """
     whole = coupling.divisor * coupling.tolerance / coupling.method.parts**coupling.method.accuracy
     part = h / coupling.stop
     worst = plain = 0.0
     for i, link in enumerate(coupling.links):
         value = link.of(coupling.values)
-        error = abs(value - coupling.full[i]) / (whole * max(coupling.scale[i], abs(value)))
-        plain = error if not error <= plain else plain
+        size, difference = abs(value), abs(value - coupling.full[i])
+        if difference <= _AGREES * size:
+            coupling.scale[i] = max(coupling.scale[i], size)
+        error = difference / (whole * max(coupling.scale[i], size))
+        error = inf if isnan(error) else error
+        plain = max(plain, error)
         if not link.observed:
             error = error / part
-        worst = error if not error <= worst else worst
+        worst = max(worst, error)
     for member in coupling.members:
         observed = member.observed
         if observed is not None:
             member.observe()
             for k, value in enumerate(observed.values):
-                observed.scale[k] = max(observed.scale[k], abs(value))
-                error = abs(value - observed.full[k]) / (whole * observed.scale[k])
-                plain = error if not error <= plain else plain
+                size, difference = abs(value), abs(value - observed.full[k])
+                if difference <= _AGREES * size:
+                    observed.scale[k] = max(observed.scale[k], size)
+                error = difference / (whole * max(observed.scale[k], size))
+                error = inf if isnan(error) else error
+                plain = max(plain, error)
                 error = error / part
-                worst = error if not error <= worst else worst
+                worst = max(worst, error)
     return worst, plain

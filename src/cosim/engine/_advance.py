@@ -92,5 +92,6 @@ def _advance_evenly(coupling: Coupling, now: float, t: float, recording: bool) -
             coupling.take(begin, end - begin, last)
             coupling.correct_again(last)
         coupling.push(begin, end - begin)
+        coupling.enlarge()
     coupling.macro_steps += steps
     return steps

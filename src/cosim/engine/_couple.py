@@ -7,11 +7,12 @@ from collections.abc import Mapping, Sequence
 from ctypes import c_double, c_uint
 
 from cosim.engine._coupling import SMALL, Correction, Coupling, Link, Member, Observed
+from cosim.engine._fmu import Fmu
 from cosim.engine._method import Method, fed_through, holds_end
 from cosim.engine._participant import Participant
 from cosim.engine._plan import Plan
 from cosim.engine._signal_faults import FaultyInput
-from cosim.engine._system import System, dotted
+from cosim.engine._system import Connection, System, dotted
 from cosim.engine._wire import Wire
 
 
@@ -32,8 +33,9 @@ def couple(system: System, plan: Plan, method: Method, tolerance: float, stop: f
             slot = plan.held[connection.target]
             ahead = place[connection.source[0]] < place[participant.instance.name]
             held = holds_end(participant.instance.fmu, name)
-            known = bool(fmus[connection.source[0]].state_names)
-            links.append(Link(wire, dotted(connection.target), slot, ahead, held, known, faulty))
+            known = is_compared(fmus[connection.source[0]])
+            small = SMALL * _nominal(connection, fmus)
+            links.append(Link(wire, dotted(connection.target), slot, ahead, held, known, small, faulty))
             plan.values[slot] = links[-1].of(plan.values)
         correction = _correction(participant, own, links, plan, system)
         observed = _observed(participant) if method.algorithm == "adaptive" else None
@@ -80,15 +82,28 @@ def _engage(
     return engaged
 
 
+def is_compared(fmu: Fmu) -> bool:
+    """Tell whether the continuous states of an FMU are known, as doubles, so that they can be compared."""
+    return bool(fmu.state_names) and all(fmu.fmi_types[name] in ("Real", "Float64") for name in fmu.state_names)
+
+
+def _nominal(connection: Connection, fmus: Mapping[str, Fmu]) -> float:
+    """Return what is usual for a connection, in the unit of its target: what either end says, or else 1."""
+    (source, output), (target, name) = connection.source, connection.target
+    own, given = fmus[target].variables[name].nominal, fmus[source].variables[output].nominal
+    return abs(own or (given or 0.0) * connection.factor) or 1.0
+
+
 def _observed(participant: Participant) -> Observed | None:
     instance = participant.instance
     names = instance.fmu.state_names
-    if not names or instance.type_codes[instance.fmu.fmi_types[names[0]]] != "d":
+    if not is_compared(instance.fmu):
         return None
     n = len(names)
     values, full = array("d", bytes(8 * n)), array("d", bytes(8 * n))
     access = instance.access("Get", names, values.buffer_info()[0])
-    return Observed(access, values, full, array("d", [SMALL] * n))
+    small = [SMALL * abs(instance.fmu.variables[name].nominal or 1.0) for name in names]
+    return Observed(access, values, full, array("d", small))
 
 
 def _correction(

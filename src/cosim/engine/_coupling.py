@@ -12,11 +12,12 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
+from contextlib import suppress
 from ctypes import Array, addressof, c_double, c_uint, c_void_p, sizeof
 from dataclasses import dataclass, field
 
 from cosim.engine._channels import Line
-from cosim.engine._instance import Access, Call
+from cosim.engine._instance import Access, Call, CallError
 from cosim.engine._log import FAILED
 from cosim.engine._method import Method
 from cosim.engine._participant import Participant
@@ -25,7 +26,13 @@ from cosim.engine._signal_faults import FaultyInput, SignalFaults
 from cosim.engine._wire import Wire
 
 SMALL = 1e-6
-"""A signal that stays within this range around zero, in its unit, counts as zero."""
+"""A signal that stays within this part of its nominal value (1 in its unit if it has none) counts as zero."""
+
+CLOSE = 0.01
+"""Of a step's length: a polynomial through values that are closer to each other says nothing about the step."""
+
+_FEW = 4
+"""Steps that may be too inexact without a remark: an event or the start has one now and then."""
 
 OUTER, INNER = 0, 1
 """Two places for what is to be gone back to: one within the other."""
@@ -38,7 +45,7 @@ class Link:
     ``wire`` gives the value of the input, called ``name``, from the signals; what the target gets is the signal
     ``slot``, or what the faults of ``faulty`` make of it. ``ahead`` tells that the source is stepped before the target,
     ``holds_end`` that the input holds the value at the end of a macro step, not the mean, and ``observed`` that all
-    states of the source are compared.
+    states of the source are compared. Values up to ``small`` count as zero.
     """
 
     wire: Wire
@@ -47,6 +54,7 @@ class Link:
     ahead: bool
     holds_end: bool
     observed: bool
+    small: float
     faulty: FaultyInput | None = None
 
     def of(self, values: array[float]) -> float:
@@ -120,8 +128,9 @@ class Member:
     def free(self) -> None:
         """Free the kept states."""
         for place in (OUTER, INNER):
-            if self.states[place]:
-                self.participant.instance.free_state(addressof(self.states) + place * sizeof(c_void_p))
+            if self.states[place] and not self.participant.instance.is_broken:
+                with suppress(CallError):  # what the FMU keeps then, it frees with the instance, or nobody does
+                    self.participant.instance.free_state(addressof(self.states) + place * sizeof(c_void_p))
 
 
 class Coupling:
@@ -162,7 +171,7 @@ class Coupling:
         self.power = power
         n = len(links)
         self.start, self.end, self.last, self.before, self.full = (array("d", bytes(8 * n)) for _ in range(5))
-        self.scale = array("d", [SMALL] * n)
+        self.scale = array("d", [link.small for link in links])
         self.times = array("d", [0.0, 0.0])
         self.known = 0
         self.cut = [i for i, link in enumerate(links) if not link.ahead]
@@ -190,9 +199,17 @@ class Coupling:
                 self.known = 0
 
     def predict(self, t: float, h: float) -> None:
-        """Take the signals as those at t [s], the beginning of a step, and continue the links over h [s]."""
-        order = min(self.known, self.method.order)
+        """Take the signals as those at t [s], the beginning of a step, and continue the links over h [s].
+
+        Values of before that lie too close to each other are left out: errors that the FMUs make in the last digits
+        would grow with the ratio of h to their distance.
+        """
         t1, t2 = self.times
+        if self.known > 0 and t - t1 < CLOSE * h:
+            self.known = 0
+        elif self.known > 1 and t1 - t2 < CLOSE * h:
+            self.known = 1
+        order = min(self.known, self.method.order)
         for i, link in enumerate(self.links):
             value = link.of(self.values)
             self.start[i] = value
@@ -271,10 +288,18 @@ class Coupling:
         self.times[1] = self.times[0]
         self.times[0] = t
         self.known = min(self.known + 1, 2)
-        for i, link in enumerate(self.links):
+        for i in range(len(self.links)):
             self.before[i] = self.last[i]
             self.last[i] = self.start[i]
+
+    def enlarge(self) -> None:
+        """Note the magnitudes of what a step which stays has led to."""
+        for i, link in enumerate(self.links):
             self.scale[i] = max(self.scale[i], abs(link.of(self.values)))
+        for member in self.members:
+            if (observed := member.observed) is not None:
+                for k, value in enumerate(observed.values):
+                    observed.scale[k] = max(observed.scale[k], abs(value))
 
     def save(self, place: int) -> None:
         """Keep all that a step changes."""
@@ -290,6 +315,8 @@ class Coupling:
         for part, kept in zip(self._parts(), self._kept[place], strict=True):
             part[:] = memoryview(kept)
         self.known = self._known_then[place]
+        for member in self.members:
+            member.participant.read_texts()
 
     def _parts(self) -> list[memoryview]:
         return [
@@ -308,6 +335,17 @@ class Coupling:
             "repeated": self.repeated,
             "forced": self.forced,
         }
+
+    @property
+    def remarks(self) -> list[str]:
+        """What the user should know about the steps: more than a few errs by more than the tolerance allows."""
+        if self.forced <= max(_FEW, 0.01 * self.macro_steps):
+            return []
+        return [
+            f"the tolerance {self.tolerance:g} is not reached: {self.forced} of {self.macro_steps} macro steps err by "
+            "more than it allows, and shorter ones would, too, because of the errors of the FMUs' solvers or of what "
+            "happens inside the FMUs; choose a looser tolerance"
+        ]
 
     def free(self) -> None:
         """Free the kept states of the FMUs."""

@@ -118,6 +118,7 @@ class CouplingTable:
                 extents=(structures.Extent * 2)(*[structures.Extent(len(access.references), access.length)] * 2),
                 component=instance.site.number,
                 function=NUMBERS[access.function],
+                number=-1,
             )
             table.reads = self._keep((structures.Group * 1)(reads))
             table.observed, table.full, table.scale = map(_address, (observed.values, observed.full, observed.scale))

@@ -103,9 +103,11 @@ def instantiated(job: Job, sites: Sequence[Site]) -> Iterator[Plan]:
                 event_mode = roles[component.name] is Role.EVENT
                 instances[component.name] = instantiate(component.name, component.fmu, event_mode, site)
             plan = make_plan(system, roles, instances, job.output_interval, job.stop)
-            yield plan
-            if plan.coupling is not None:
-                plan.coupling.free()
+            try:
+                yield plan
+            finally:
+                if plan.coupling is not None:
+                    plan.coupling.free()
         finally:
             for instance in instances.values():
                 instance.free()
@@ -163,6 +165,8 @@ def execute(job: Job, plan: Plan, record: Record, progress: Callable[[float], No
     except KeyboardInterrupt:
         ending.message, ending.interrupted = interruption_message(record), True
     clock.stop()
+    if plan.coupling is not None:
+        ending.remarks = [*ending.remarks, *plan.coupling.remarks]
     ending.statistics = statistics(plan, record, clock.seconds, broken)
     if job.saving and job.saving.resume:
         ending.statistics["resumed_at_s"] = job.saving.resume.time

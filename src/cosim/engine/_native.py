@@ -8,6 +8,7 @@ from collections.abc import Callable
 from ctypes import byref
 from math import inf
 
+from cosim.engine._adaptive import lost
 from cosim.engine._agreement import disagreement
 from cosim.engine._instance import CallError
 from cosim.engine._interrupt import DeferredInterrupt
@@ -30,9 +31,10 @@ _UNFINISHED, _FINISHED, _BROKEN, _PAUSED = range(4)
     _OUT_OF_RANGE,
     _OUT_OF_MEMORY,
     _DISAGREEMENT,
-) = range(1, 11)
+    _LOST,
+) = range(1, 12)
 _FUNCTIONS = ("DoStep", "EnterEventMode", "EnterStepMode", "UpdateDiscreteStates")
-_OF_COUPLING = {5: "GetFMUState", 6: "SetFMUState", 7: "GetDirectionalDerivative"}
+_SAVE, _RESTORE, _DERIVE = 5, 6, 7
 
 _PIECE = 0.1
 """Wall time [s] after which Python looks whether the user wants to interrupt."""
@@ -99,10 +101,17 @@ def _raise(tables: Tables, plan: Plan) -> None:
         instance.fail_to_go_on(early=failure.kind == _RETURNED_EARLY)
     if failure.kind == _DISAGREEMENT and plan.coupling is not None:
         raise disagreement(plan.coupling, failure.value)
-    if failure.kind == _CALL_FAILED and failure.function in _OF_COUPLING:
-        instance.check(_OF_COUPLING[failure.function], failure.status)
+    if failure.kind == _LOST and plan.coupling is not None and (error := lost(plan.coupling)) is not None:
+        raise error
+    if failure.kind == _CALL_FAILED and failure.function in (_SAVE, _RESTORE, _DERIVE):
+        get, put = instance.state_symbol("Get"), instance.state_symbol("Set")
+        names = {_SAVE: get, _RESTORE: put, _DERIVE: "GetDirectionalDerivative"}
+        instance.check(names[failure.function], failure.status)
     if failure.kind == _CALL_FAILED and failure.function < len(_FUNCTIONS):
         instance.check(_FUNCTIONS[failure.function], failure.status)
+    if failure.kind == _CALL_FAILED and failure.group < 0 and plan.coupling is not None:
+        reads = next(m.observed for m in plan.coupling.members if m.participant is participant)
+        instance.check(reads.access.function if reads is not None else "", failure.status)
     group = tables.groups[failure.group]
     if failure.kind == _OUT_OF_RANGE and isinstance(group, InputGroup) and isinstance(group.buffer, array):
         raise participant.out_of_range(failure.value, group.buffer)

@@ -185,19 +185,27 @@ class Participant:
         """Read into the signals the outputs that somebody takes, and, if ``recording``, all others too."""
         for _, whole, connected, start, buffer in self.output_groups:
             access = whole if recording else connected
-            if access is None:
-                continue
-            status = access.call()
-            if status >= FAILED:
-                self.instance.check(access.function, status)
-            if isinstance(buffer, Array):
-                self._take([text or b"" for text in buffer[: access.length]], start)
-            elif isinstance(buffer, Binaries):
-                self._take(buffer.take(access.length), start)
-            elif buffer is not None:
-                for i in range(access.length):
-                    self.values[start + i] = buffer[i]
+            if access is not None:
+                self._read(access, start, buffer)
         self.stale = not recording
+
+    def _read(self, access: Access, start: int, buffer: Buffer) -> None:
+        status = access.call()
+        if status >= FAILED:
+            self.instance.check(access.function, status)
+        if isinstance(buffer, Array):
+            self._take([text or b"" for text in buffer[: access.length]], start)
+        elif isinstance(buffer, Binaries):
+            self._take(buffer.take(access.length), start)
+        elif buffer is not None:
+            for i in range(access.length):
+                self.values[start + i] = buffer[i]
+
+    def read_texts(self) -> None:
+        """Read the texts and Binary outputs that somebody takes, and nothing else."""
+        for _, _, connected, start, buffer in self.output_groups:
+            if connected is not None and isinstance(buffer, Array | Binaries):
+                self._read(connected, start, buffer)
 
     def _take(self, texts: list[bytes], start: int) -> None:
         for slot, given in enumerate(texts, start):

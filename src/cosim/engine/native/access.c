@@ -146,6 +146,17 @@ OFTEN bool read_outputs(Engine *engine, Component *component, bool recording) {
     return true;
 }
 
+/* Read the texts and Binary outputs that somebody takes, and nothing else. */
+static bool read_texts(Engine *engine, const Component *component) {
+    const Group *const end = component->outputs + component->n_outputs[false];
+    for (const Group *group = component->outputs; group < end; group++) {
+        if (group->type != TEXT && group->type != BINARY) continue;
+        const Extent *extent = &group->extents[false];
+        if (!call(engine, component, group, extent) || !load(engine, component, group, extent->values)) return false;
+    }
+    return true;
+}
+
 static inline bool triggered(Engine *engine, const Component *component) {
     if (component->n_triggers > 0 && ANY(component->n_faulty)) refresh(engine, component->faulty, component->n_faulty);
     for (int64_t i = 0; i < component->n_triggers; i++) {

@@ -7,6 +7,8 @@
 #define MACRO_SHRINKAGE 0.2
 #define MACRO_GROWTH 4.0
 #define MACRO_ERROR 1e-4
+#define MACRO_AGREES 0.1
+#define MACRO_RESOLUTION 1e-14
 #define MACRO_NOISE 0.1
 #define MACRO_FALLS 0.8
 
@@ -44,33 +46,71 @@ static bool note_full(Engine *engine, Coupling *c) {
     return true;
 }
 
-/* The largest errors of a step of length h in two halves. */
+/* The largest errors of a step of length h in two halves. Magnitudes on which both ways roughly agree are noted. */
 static bool find_errors(Engine *engine, const Coupling *c, double h, Errors *errors) {
     const double whole = c->divisor * c->tolerance / c->allowed, part = h / c->stop;
     *errors = (Errors){0.0, 0.0};
     for (int64_t i = 0; i < c->n_links; i++) {
         const double value = given_by(&c->links[i], engine->values);
-        double error = fabs(value - c->full[i]) / (whole * larger(c->magnitudes[i], fabs(value)));
-        if (!(error <= errors->of_whole)) errors->of_whole = error;
+        const double size = fabs(value), difference = fabs(value - c->full[i]);
+        if (difference <= MACRO_AGREES * size) c->magnitudes[i] = larger(c->magnitudes[i], size);
+        double error = difference / (whole * larger(c->magnitudes[i], size));
+        if (isnan(error)) error = INFINITY;
+        errors->of_whole = larger(errors->of_whole, error);
         if (!c->links[i].observed) error = error / part;
-        if (!(error <= errors->of_step)) errors->of_step = error;
+        errors->of_step = larger(errors->of_step, error);
     }
     for (const Member *member = c->members; member < c->members + c->n_members; member++) {
         if (!observe(engine, member)) return false;
         for (int64_t k = 0; k < member->n_observed; k++) {
             const double value = member->observed[k];
-            member->scale[k] = larger(member->scale[k], fabs(value));
-            double error = fabs(value - member->full[k]) / (whole * member->scale[k]);
-            if (!(error <= errors->of_whole)) errors->of_whole = error;
+            const double size = fabs(value), difference = fabs(value - member->full[k]);
+            if (difference <= MACRO_AGREES * size) member->scale[k] = larger(member->scale[k], size);
+            double error = difference / (whole * larger(member->scale[k], size));
+            if (isnan(error)) error = INFINITY;
+            errors->of_whole = larger(errors->of_whole, error);
             error = error / part;
-            if (!(error <= errors->of_step)) errors->of_step = error;
+            errors->of_step = larger(errors->of_step, error);
         }
     }
     return true;
 }
 
+/* Take a step whole, note what that leads to, and take it in halves, to exactly `end`. */
+static bool take_in_halves(Engine *engine, Coupling *c, double now, double h, double end, bool recording) {
+    const double middle = now + 0.5 * h;
+    if (!solve_step(engine, c, now, h, false) || !note_full(engine, c) || !restore(engine, c, OUTER) ||
+        !solve_step(engine, c, now, 0.5 * h, false)) {
+        return false;
+    }
+    push(engine, c, now, 0.5 * h);
+    return solve_step(engine, c, middle, end - middle, recording);
+}
+
+/* Whether a step that has failed may be tried again from the state before it: nothing is broken for good. */
+static bool can_go_back(const Failure *failure) {
+    switch ((FailureKind)failure->kind) {
+        case CALL_FAILED: return failure->status != FATAL;
+        case ASKS_TO_END:
+        case RETURNED_EARLY:
+        case OUT_OF_RANGE:
+        case DISAGREEMENT: return true;
+        default: return false;
+    }
+}
+
+static bool is_lost(const Engine *engine, const Coupling *c) {
+    bool lost = false;
+    for (int64_t i = 0; i < c->n_links; i++) lost |= !isfinite(given_by(&c->links[i], engine->values));
+    for (const Member *member = c->members; member < c->members + c->n_members; member++) {
+        for (int64_t k = 0; k < member->n_observed; k++) lost |= !isfinite(member->observed[k]);
+    }
+    return lost;
+}
+
 /* Take one step from `now` towards t, in two halves; leaves in `now` where it ends. */
-static bool step_adaptively(Engine *engine, Coupling *c, double *now, double t, double longest, bool recording) {
+static bool step_adaptively(Engine *engine, Coupling *c, double *now, double t, double shortest, double longest,
+                            bool recording) {
     const bool fresh = c->known == 0;
     const double begin = *now;
     double last = 0.0, h, wanted, end, middle;
@@ -79,33 +119,32 @@ static bool step_adaptively(Engine *engine, Coupling *c, double *now, double t, 
     if (!save(engine, c, OUTER)) return false;
     for (;;) {
         const double rest = t - begin;
-        wanted = smaller(c->wanted, longest);
+        wanted = smaller(larger(c->wanted, shortest), longest);
         h = wanted >= rest ? rest : wanted > 0.5 * rest ? 0.5 * rest : wanted;
         end = h == rest ? t : begin + h;
         middle = begin + 0.5 * h;
-        if (!solve_step(engine, c, begin, h, false) || !note_full(engine, c) || !restore(engine, c, OUTER) ||
-            !solve_step(engine, c, begin, 0.5 * h, false)) {
-            return false;
-        }
-        push(engine, c, begin, 0.5 * h);
-        if (!solve_step(engine, c, middle, end - middle, recording && end == t) ||
+        if (!take_in_halves(engine, c, begin, h, end, recording && end == t) ||
             !find_errors(engine, c, fresh ? larger(h, c->usual) : h, &errors)) {
-            return false;
+            if (h <= shortest || !can_go_back(&engine->failure)) return false;
+            engine->failure = (Failure){0};
+            errors = (Errors){INFINITY, INFINITY};
         }
         const bool lasting = last > 0.0 && errors.of_step > MACRO_FALLS * last && errors.of_whole < MACRO_NOISE;
         noisy = lasting ? noisy + 1 : 0;
-        if (errors.of_step <= 1.0 || h <= SHORTEST_MACRO_STEP || noisy == 2) break;
+        if (errors.of_step <= 1.0 || h <= shortest || noisy == 2) break;
         last = errors.of_step;
         const double shrunk = h * larger(MACRO_SHRINKAGE, smaller(MACRO_SAFETY, MACRO_SAFETY / sqrt(errors.of_step)));
         c->wanted = larger(SHORTEST_MACRO_STEP, shrunk);
         c->rejected++;
         if (!restore(engine, c, OUTER)) return false;
     }
-    if (!(errors.of_step <= 1.0)) c->forced++;
+    if (errors.of_step == INFINITY && is_lost(engine, c)) return fail(engine, c->members[0].component, LOST);
+    c->forced += errors.of_step > 1.0;
     push(engine, c, middle, end - middle);
+    enlarge(engine, c);
     c->macro_steps += 2;
     if (!fresh) c->usual = h;
-    const double error = larger(errors.of_step, MACRO_ERROR);
+    const double error = smaller(larger(errors.of_step, MACRO_ERROR), 1.0 / MACRO_ERROR);
     const double factor = MACRO_SAFETY * pow(error, -0.35) * pow(c->error, 0.2);
     c->error = error;
     if (h == wanted || factor < 1.0) {
@@ -118,8 +157,9 @@ static bool step_adaptively(Engine *engine, Coupling *c, double *now, double t, 
 /* Step all members from `now` to t. */
 static bool advance_adaptively(Engine *engine, Coupling *c, double now, double t, bool recording) {
     const double longest = smaller((t - now) / engine->parts, engine->longest);
+    const double shortest = larger(SHORTEST_MACRO_STEP * smaller(c->stop, 1.0), MACRO_RESOLUTION * t);
     while (now < t) {
-        if (!step_adaptively(engine, c, &now, t, longest, recording)) return false;
+        if (!step_adaptively(engine, c, &now, t, shortest, longest, recording)) return false;
     }
     return true;
 }

@@ -44,6 +44,7 @@ static bool advance_evenly(Engine *engine, Coupling *c, double now, double t, bo
                                                 : take(engine, c, begin, h, last) && correct_again(engine, c, last);
         if (!done) return false;
         push(engine, c, begin, h);
+        enlarge(engine, c);
     }
     c->macro_steps += steps;
     return true;

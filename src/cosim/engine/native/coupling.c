@@ -2,6 +2,8 @@
  *
  * Components that act on each other continuously: one macro step of all of them, as in cosim/engine/_coupling.py.
  */
+#define CLOSE 0.01
+
 typedef Status (*SaveState)(void *, void **);
 typedef Status (*RestoreState)(void *, void *);
 typedef Status (*Derivative2)(void *, const ValueReference *, size_t, const ValueReference *, size_t, const double *,
@@ -37,8 +39,10 @@ static void notice(const Engine *engine, Coupling *c) {
 
 /* Take the signals as those at t, the beginning of a step, and continue the links over h. */
 static void predict(const Engine *engine, Coupling *c, double t, double h) {
-    const int64_t order = c->known < c->order ? c->known : c->order;
     const double t1 = c->times[0], t2 = c->times[1];
+    if (c->known > 0 && t - t1 < CLOSE * h) c->known = 0;
+    else if (c->known > 1 && t1 - t2 < CLOSE * h) c->known = 1;
+    const int64_t order = c->known < c->order ? c->known : c->order;
     for (int64_t i = 0; i < c->n_links; i++) {
         double value = given_by(&c->links[i], engine->values);
         c->start[i] = value;
@@ -144,14 +148,25 @@ static void push(const Engine *engine, Coupling *c, double t, double h) {
     for (int64_t i = 0; i < c->n_links; i++) {
         c->before[i] = c->last[i];
         c->last[i] = c->start[i];
+    }
+}
+
+/* Note the magnitudes of what a step which stays has led to. */
+static void enlarge(const Engine *engine, const Coupling *c) {
+    for (int64_t i = 0; i < c->n_links; i++) {
         c->magnitudes[i] = larger(c->magnitudes[i], fabs(given_by(&c->links[i], engine->values)));
+    }
+    for (const Member *member = c->members; member < c->members + c->n_members; member++) {
+        for (int64_t k = 0; k < member->n_observed; k++) {
+            member->scale[k] = larger(member->scale[k], fabs(member->observed[k]));
+        }
     }
 }
 
 /* Copy all numbers that a step changes to a place, or from it. */
 static void move_numbers(const Engine *engine, const Coupling *c, int place, bool back) {
     double *const parts[] = {engine->values, c->inputs, c->last, c->before, c->times, c->energies, c->powers};
-    const int64_t n = engine->n_bonds, sizes[] = {c->n_numbers, c->n_inputs, c->n_links, c->n_links, 2, 3 * n, 2 * n};
+    const int64_t m = c->n_links, n = engine->n_bonds, sizes[] = {c->n_numbers, c->n_inputs, m, m, 2, 3 * n, 2 * n};
     double *kept = c->kept[place];
     for (int i = 0; i < 7; i++) {
         if (sizes[i] == 0) continue; /* there may be no memory for none */
@@ -179,5 +194,8 @@ static bool restore(Engine *engine, Coupling *c, int place) {
     }
     move_numbers(engine, c, place, true);
     c->known = c->known_then[place];
+    for (const Member *member = c->members; member < c->members + c->n_members; member++) {
+        if (!read_texts(engine, member->component)) return false;
+    }
     return true;
 }

@@ -30,6 +30,7 @@
 typedef uint32_t ValueReference;
 typedef int Status; /* of FMI: OK, Warning, Discard, Error, Fatal, Pending */
 #define FAILED 2    /* from this status on, a call has failed */
+#define FATAL 4     /* nothing can be done any more with the instance that returns it */
 
 /* Any FMI function; it is converted to its own type before it is called. */
 typedef void (*Function)(void);
@@ -202,7 +203,8 @@ typedef enum {
     NOT_A_NUMBER,
     OUT_OF_RANGE,         /* `value` does not fit an integer input of `group`, or as many bytes no Binary one */
     OUT_OF_MEMORY,        /* for a text or a Binary */
-    DISAGREEMENT          /* of coupled components at the end of a macro step, at `value` [s] */
+    DISAGREEMENT,         /* of coupled components at the end of a macro step, at `value` [s] */
+    LOST                  /* what coupled components give each other is no finite number any more */
 } FailureKind;
 
 typedef enum { DO_STEP, ENTER_EVENT_MODE, ENTER_STEP_MODE, UPDATE_DISCRETE_STATES, ACCESS, SAVE, RESTORE, DERIVE } CalledFunction;
