@@ -37,7 +37,7 @@ static int step(Model *m, double h) {
         case TERMINATE: m->terminate = true; return OK;
         case FATAL: say(m, "memory is exhausted"); return ERROR + 1;
         case EARLY: m->early_return = true; return OK;
-        case RUN_AWAY: m->v[X] += 1e9 * h; return OK;
+        case RUN_AWAY: m->v[X] += 1e9 * h * h; return OK;
         default: return OK;
     }
 }

@@ -69,7 +69,7 @@ def _step(coupling: Coupling, now: float, t: float, limits: tuple[float, float],
         if error <= 1.0 or h <= shortest or noisy == 2:
             break
         last = error
-        coupling.wanted = max(SHORTEST, h * max(_LEAST, min(_SAFETY, _SAFETY / sqrt(error))))
+        coupling.wanted = h * max(_LEAST, min(_SAFETY, _SAFETY / sqrt(error)))
         coupling.rejected += 1
         coupling.restore(OUTER)
     if error == inf and (reason := lost(coupling)) is not None:
@@ -84,7 +84,7 @@ def _step(coupling: Coupling, now: float, t: float, limits: tuple[float, float],
     factor = _SAFETY * error**-0.35 * coupling.error**0.2
     coupling.error = error
     if h == wanted or factor < 1.0:
-        coupling.wanted = max(SHORTEST, h * max(_LEAST, min(_MOST, factor)))
+        coupling.wanted = h * max(_LEAST, min(_MOST, factor))
     return end
 
 

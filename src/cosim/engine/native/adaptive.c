@@ -134,7 +134,7 @@ static bool step_adaptively(Engine *engine, Coupling *c, double *now, double t, 
         if (errors.of_step <= 1.0 || h <= shortest || noisy == 2) break;
         last = errors.of_step;
         const double shrunk = h * larger(MACRO_SHRINKAGE, smaller(MACRO_SAFETY, MACRO_SAFETY / sqrt(errors.of_step)));
-        c->wanted = larger(SHORTEST_MACRO_STEP, shrunk);
+        c->wanted = shrunk;
         c->rejected++;
         if (!restore(engine, c, OUTER)) return false;
     }
@@ -148,7 +148,7 @@ static bool step_adaptively(Engine *engine, Coupling *c, double *now, double t, 
     const double factor = MACRO_SAFETY * pow(error, -0.35) * pow(c->error, 0.2);
     c->error = error;
     if (h == wanted || factor < 1.0) {
-        c->wanted = larger(SHORTEST_MACRO_STEP, h * larger(MACRO_SHRINKAGE, smaller(MACRO_GROWTH, factor)));
+        c->wanted = h * larger(MACRO_SHRINKAGE, smaller(MACRO_GROWTH, factor));
     }
     *now = end;
     return true;
