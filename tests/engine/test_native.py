@@ -18,7 +18,17 @@ import numpy as np
 import pytest
 from coupled_systems import COUPLED, CoupledSystems
 
-from cosim.engine import Component, Connection, Fmu, SimulationInterrupted, System, _compilation, _library, simulate
+from cosim.engine import (
+    Algorithm,
+    Component,
+    Connection,
+    Fmu,
+    SimulationInterrupted,
+    System,
+    _compilation,
+    _library,
+    simulate,
+)
 from cosim.errors import BuildError, InputError
 from cosim.fmu.toolchain import host_name
 
@@ -175,6 +185,29 @@ def test_control_c_ends_a_run_within_a_second(
     assert result.time.tolist() == [0.5 * k for k in range(rows)]
     np.testing.assert_allclose(result.columns["plant.x"], 0.999 ** (500.0 * np.arange(rows)), rtol=1e-9, atol=1e-300)
     assert result.columns["c.count"].tolist() == [500 * k + 1 for k in range(rows)]
+
+
+@pytest.mark.parametrize(("algorithm", "step"), [("adaptive", None), ("extrapolated", 1e-6), ("iterated", 1e-6)])
+def test_control_c_within_one_interval(
+    coupled: CoupledSystems, control_c: ControlC, algorithm: Algorithm, step: float | None
+) -> None:
+    system = coupled.system("oscillator")
+    asked = {"stop": 1e3, "output_interval": 500.0, "tolerance": 1e-9, "coupling_error": False}
+    control_c.start()
+    with pytest.raises(SimulationInterrupted) as caught:
+        simulate(system, algorithm=algorithm, step=step, **asked)  # type: ignore[arg-type]
+    assert time.perf_counter() - control_c.sent < 1.0
+    assert caught.value.result.time.tolist() == [0.0]
+
+
+def test_an_interval_in_many_pieces_gives_the_same(coupled: CoupledSystems) -> None:
+    asked = {"stop": 2.0, "output_interval": 2.0, "tolerance": 1e-6, "coupling_error": False}
+    whole = simulate(coupled.system("oscillator"), **asked)  # type: ignore[arg-type]
+    pieces = simulate(coupled.system("oscillator"), progress=lambda t: None, **asked)  # type: ignore[arg-type]
+    assert pieces.statistics["exchanges"] == whole.statistics["exchanges"]
+    assert pieces.statistics["algorithm"] == whole.statistics["algorithm"]
+    for name, column in pieces.columns.items():
+        assert column.tobytes() == whole.columns[name].tobytes()
 
 
 def test_control_c_is_not_lost_in_an_fmu_that_talks_all_the_time(fmu: Get, control_c: ControlC) -> None:

@@ -92,6 +92,6 @@ def _advance_evenly(coupling: Coupling, now: float, t: float, recording: bool) -
             coupling.take(begin, end - begin, last)
             coupling.correct_again(last)
         coupling.push(begin, end - begin)
+        coupling.macro_steps += 1
         coupling.enlarge()
-    coupling.macro_steps += steps
     return steps

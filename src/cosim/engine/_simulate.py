@@ -51,10 +51,15 @@ def simulate(
     ``tolerance`` is the relative tolerance handed to the FMUs; ``progress`` is called with the time [s] reached, at
     most 20 times per second of wall time.
 
-    ``algorithm`` "gauss-seidel" computes each component at its own instants (see ``Role``), continuous ones one after
-    the other in the order of direct feedthrough. "jacobi" takes macro steps of ``step`` [s], of which
-    ``output_interval`` and ``stop`` must be multiples: at each communication point all components put out, then all are
-    stepped, without event mode, whatever their role; changes of channels act from the next communication point on.
+    ``algorithm`` says how continuous components that act on each other are stepped; discrete ones act at their own
+    instants (see ``Role``). "gauss-seidel": one after the other in the order of direct feedthrough, inputs held.
+    "extrapolated": inputs follow polynomials of the order ``extrapolation``. "iterated": the same, repeated until all
+    agree at the end of a step. "adaptive": in steps as long as ``tolerance`` allows. "auto" takes the last of these
+    where components act on each other, "extrapolated" where an FMU cannot go back to a state, and else "gauss-seidel",
+    which is exact then; docs/coupling.md has the details. ``step`` [s] is the longest macro step. "jacobi" takes macro
+    steps of ``step``, of which ``output_interval`` and ``stop`` must be multiples: at each communication point all
+    components put out, then all are stepped, without event mode, whatever their role; changes of channels act from the
+    next communication point on.
 
     If ``coupling_error``, a run in which continuous components exchange signals is followed by a second one with
     shorter intervals between communication points, which takes two to four times its time and tells how far off it

@@ -164,7 +164,9 @@ class Coupling(Structure):
         ("known_then", 2 * c_int64),
         *((name, c_int64) for name in ("macro_steps", "rejected", "repeated", "forced")),
         *((name, c_double) for name in ("tolerance", "stop", "wanted", "usual", "error", "divisor", "allowed")),
-        *((name, c_int32) for name in ("method", "order", "loops", "has_matrix")),
+        *((name, c_double) for name in ("front", "deadline")),
+        *((name, c_int64) for name in ("number", "earlier")),
+        *((name, c_int32) for name in ("method", "order", "loops", "has_matrix", "under_way", "out_of_time")),
     ]
 
 

@@ -154,12 +154,19 @@ static bool step_adaptively(Engine *engine, Coupling *c, double *now, double t, 
     return true;
 }
 
+/* Tell whether a call has lasted long enough, within an interval in which there may be ever so many steps. */
+static bool out_of_time(Coupling *c) {
+    c->out_of_time = wall_clock() >= c->deadline;
+    return c->out_of_time;
+}
+
 /* Step all members from `now` to t. */
 static bool advance_adaptively(Engine *engine, Coupling *c, double now, double t, bool recording) {
     const double longest = smaller((t - now) / engine->parts, engine->longest);
     const double shortest = larger(SHORTEST_MACRO_STEP * smaller(c->stop, 1.0), MACRO_RESOLUTION * t);
-    while (now < t) {
-        if (!step_adaptively(engine, c, &now, t, shortest, longest, recording)) return false;
+    for (bool first = true; c->front < t; first = false) {
+        if (!first && out_of_time(c)) return false;
+        if (!step_adaptively(engine, c, &c->front, t, shortest, longest, recording)) return false;
     }
     return true;
 }

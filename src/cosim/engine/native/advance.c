@@ -35,7 +35,9 @@ static int64_t divisions(const Engine *engine, double h) {
 /* Take macro steps of one length. */
 static bool advance_evenly(Engine *engine, Coupling *c, double now, double t, bool recording) {
     const int64_t steps = divisions(engine, t - now);
-    for (int64_t number = 1; number <= steps; number++) {
+    for (bool first = true; c->number < steps; first = false) {
+        if (!first && out_of_time(c)) return false;
+        const int64_t number = c->number + 1;
         const double begin = now + (t - now) * (double)(number - 1) / (double)steps;
         const double end = number == steps ? t : now + (t - now) * (double)number / (double)steps, h = end - begin;
         const bool last = recording && number == steps;
@@ -45,22 +47,30 @@ static bool advance_evenly(Engine *engine, Coupling *c, double now, double t, bo
         if (!done) return false;
         push(engine, c, begin, h);
         enlarge(engine, c);
+        c->macro_steps++;
+        c->number = number;
     }
-    c->macro_steps += steps;
     return true;
 }
 
 /* Step those that act on each other together, then the others. */
 static bool advance_coupled(Engine *engine, Coupling *c, double t, bool recording) {
     const double now = engine->at.now;
-    for (int64_t i = 0; i < c->n_others; i++) {
-        if (c->others[i]->due < INFINITY && !begin_fixed_step(engine, c->others[i], now)) return false;
+    if (!c->under_way) {
+        for (int64_t i = 0; i < c->n_others; i++) {
+            if (c->others[i]->due < INFINITY && !begin_fixed_step(engine, c->others[i], now)) return false;
+        }
+        notice(engine, c);
+        c->under_way = true;
+        c->front = now;
+        c->number = 0;
+        c->earlier = c->macro_steps;
     }
-    notice(engine, c);
     if (!(c->method == ADAPTIVE ? advance_adaptively(engine, c, now, t, recording)
                                 : advance_evenly(engine, c, now, t, recording))) {
         return false;
     }
+    c->under_way = false;
     if (engine->n_lines > 0) set_middles(engine, now + 0.5 * (t - now));
     if (ANY(engine->n_faulty)) begin_faulty_step(engine, now, t - now);
     for (int64_t i = 0; i < c->n_others; i++) {
@@ -80,9 +90,8 @@ static bool advance_in_steps(Engine *engine, double t, bool recording) {
     const double now = engine->at.now;
     if (PLAIN) return advance(engine, now, t, recording);
     if (engine->coupling) {
-        const int64_t before = engine->coupling->macro_steps;
         if (!advance_coupled(engine, engine->coupling, t, recording)) return false;
-        engine->at.exchanges += engine->coupling->macro_steps - before - 1;
+        engine->at.exchanges += engine->coupling->macro_steps - engine->coupling->earlier - 1;
         return true;
     }
     const int64_t steps = engine->parts == 1 && engine->longest == INFINITY ? 1 : divisions(engine, t - now);

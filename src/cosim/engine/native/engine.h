@@ -266,7 +266,13 @@ typedef struct {
     int64_t macro_steps, rejected, repeated, forced;
     double tolerance, stop, wanted, usual, error, divisor;
     double allowed; /* part of the tolerance, where intervals are divided */
+    double front;    /* where the members are within an interval, which may take longer than a call is to last */
+    double deadline; /* of this call, by the wall clock */
+    int64_t number;  /* of the macro steps of one length that were taken in it */
+    int64_t earlier; /* macro steps before it */
     int32_t method, order, loops, has_matrix;
+    int32_t under_way;   /* within an interval */
+    int32_t out_of_time; /* the call ends there, to go on later */
 } Coupling;
 
 /* Where the run is. It may lie in memory that another process reads, which wants to know where this one has died. */

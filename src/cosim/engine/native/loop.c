@@ -117,6 +117,7 @@ EXPORT int cosim_run(Engine *engine, double limit) {
     double looked = begun;
     int until_look = 1;
     if (!engine->started && !start(engine)) return BROKEN;
+    if (!PLAIN && engine->coupling) engine->coupling->deadline = begun + limit;
     for (bool first = true;; first = false) {
         if (!first && --until_look == 0) {
             const double now = wall_clock();
@@ -130,7 +131,9 @@ EXPORT int cosim_run(Engine *engine, double limit) {
         }
         if (!PLAIN && engine->at.now >= engine->pause) return PAUSED;
         if (ANY(engine->n_faulty) && !make_room(engine)) return UNFINISHED;
-        if (!(jacobi ? go_on_jacobi(engine) : go_on(engine))) return BROKEN;
+        if (!(jacobi ? go_on_jacobi(engine) : go_on(engine))) {
+            return !PLAIN && engine->coupling && engine->coupling->out_of_time ? UNFINISHED : BROKEN;
+        }
     }
 }
 
