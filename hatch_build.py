@@ -43,7 +43,7 @@ def compile_all(folder: Path) -> list[Path]:
         from cosim.fmu.toolchain import PLATFORMS
     finally:
         sys.path.remove(str(SOURCE))
-    compilation = runpy.run_path(str(SOURCE / "cosim" / "engine" / "_compilation.py"))
+    compilation = runpy.run_path(str(SOURCE / "cosim" / "engine" / "native" / "_compilation.py"))
     libraries = []
     for name, platform in PLATFORMS.items():
         inner = folder / name  # the compiler puts other files beside a library for Windows

@@ -15,10 +15,10 @@ import time
 from pathlib import Path
 
 from cosim.engine import Branches, Channel, Checkpoint, System, branches, simulate
-from cosim.engine._calls import Site
 from cosim.engine._execution import Job, begin, instantiated, loop_name, simulate_to
-from cosim.engine._plan import lay_out
-from cosim.engine._record import Record
+from cosim.engine.fmu._calls import Site
+from cosim.engine.loop._plan import lay_out
+from cosim.engine.loop._record import Record
 from cosim.fmu import catalogue
 from cosim.scenario import assemble, read
 

@@ -13,11 +13,11 @@ from pathlib import Path
 from fmu_builder import edited
 
 from cosim.engine import Component, Connection, Fmu, System
-from cosim.engine._calls import Site
 from cosim.engine._execution import Job, instantiated
-from cosim.engine._initialize import initialize
-from cosim.engine._parameters import parameters_of
-from cosim.engine._plan import Plan
+from cosim.engine.fmu._calls import Site
+from cosim.engine.loop._initialize import initialize
+from cosim.engine.loop._plan import Plan
+from cosim.engine.system._parameters import parameters_of
 from cosim.fmu import export
 
 MODELS = Path(__file__).parents[1] / "models" / "Loops"

@@ -179,7 +179,7 @@ def test_other_reasons_for_none(fmu: Get) -> None:
 
 def test_a_second_run_that_fails_is_no_failure(fmu: Get, monkeypatch: pytest.MonkeyPatch) -> None:
     """A component that fails from 0.05 s on, the first time that it is asked for less than a whole step."""
-    from cosim.engine._participant import Participant
+    from cosim.engine.signals._participant import Participant
 
     whole = Participant.step
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from both_loops import simulate
 
-from cosim.engine import Component, Connection, Fmu, PartialResultError, Result, System, _adaptive
+from cosim.engine import Component, Connection, Fmu, PartialResultError, Result, System
 from cosim.engine import simulate as simulate_once
+from cosim.engine.coupling import _adaptive
 from cosim.errors import FmuWarning
 
 Get = Callable[..., Fmu]

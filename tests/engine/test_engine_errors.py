@@ -406,7 +406,7 @@ def test_memory_that_is_not_to_be_had_is_refused_alike(fmu: Get, monkeypatch: py
     def none_left(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("cosim.engine._record.np.empty", none_left)
+    monkeypatch.setattr("cosim.engine.loop._record.np.empty", none_left)
     assert refuse(System([Component("c", fmu("integrator"))])).startswith(
         "the result would have 11 rows of 4 columns, which take 3.52e-07 GB of memory, more than there is; "
     )

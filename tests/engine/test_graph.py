@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from cosim.engine import Component, Connection, Fmu, System
-from cosim.engine._graph import (
+from cosim.engine.loop._plan import roles_of
+from cosim.engine.system._graph import (
     Arrows,
     End,
     Loop,
@@ -19,7 +20,6 @@ from cosim.engine._graph import (
     loops_among,
     strong_components,
 )
-from cosim.engine._plan import roles_of
 
 Get = Callable[..., Fmu]
 

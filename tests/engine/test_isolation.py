@@ -30,10 +30,10 @@ from cosim.engine import (
     explain_timing,
     simulate,
 )
-from cosim.engine._calls import Site
 from cosim.engine._execution import Job, execute, instantiated
-from cosim.engine._plan import lay_out
-from cosim.engine._record import Record
+from cosim.engine.fmu._calls import Site
+from cosim.engine.loop._plan import lay_out
+from cosim.engine.loop._record import Record
 from cosim.errors import CosimError, FmuError, InputError, SimulationError
 from cosim.fmu import catalogue, provenance
 from cosim.worker import dismiss

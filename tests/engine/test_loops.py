@@ -16,15 +16,15 @@ from scipy.optimize import brentq
 
 from cosim.engine import Channel, Fault, FaultKind, Fmu, PartialResultError, Role, System, explain_timing
 from cosim.engine import simulate as simulate_once
-from cosim.engine._algebraic import Network
-from cosim.engine._calls import Site
-from cosim.engine._graph import Phase, declared
-from cosim.engine._initialize import initialize
-from cosim.engine._instance import CallError
-from cosim.engine._instances import instantiate
-from cosim.engine._parameters import parameters_of
-from cosim.engine._plan import make_plan
-from cosim.engine._port import Port
+from cosim.engine.algebra._algebraic import Network
+from cosim.engine.algebra._port import Port
+from cosim.engine.exchange._instances import instantiate
+from cosim.engine.fmu._calls import Site
+from cosim.engine.fmu._instance import CallError
+from cosim.engine.loop._initialize import initialize
+from cosim.engine.loop._plan import make_plan
+from cosim.engine.system._graph import Phase, declared
+from cosim.engine.system._parameters import parameters_of
 from cosim.errors import FmuWarning
 
 pytest.importorskip("rumoca")

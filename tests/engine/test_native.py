@@ -18,17 +18,8 @@ import numpy as np
 import pytest
 from coupled_systems import COUPLED, CoupledSystems
 
-from cosim.engine import (
-    Algorithm,
-    Component,
-    Connection,
-    Fmu,
-    SimulationInterrupted,
-    System,
-    _compilation,
-    _library,
-    simulate,
-)
+from cosim.engine import Algorithm, Component, Connection, Fmu, SimulationInterrupted, System, simulate
+from cosim.engine.native import _compilation, _library
 from cosim.errors import BuildError, InputError
 from cosim.fmu.toolchain import host_name
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cosim.engine._newton import Matrix, Scale, Solution, Vector, iterate, solve
+from cosim.engine.algebra._newton import Matrix, Scale, Solution, Vector, iterate, solve
 
 
 def run(g, slope, start: list[float], enough: float = 1e-9) -> tuple[Solution, int]:  # noqa: ANN001

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from cosim.engine import _compilation
+from cosim.engine.native import _compilation
 from cosim.fmu.toolchain import PLATFORMS
 
 pytestmark = pytest.mark.slow

@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cosim.engine import Channel, Component, Fmu, System, simulate
-from cosim.engine._compilation import SOURCES, includes
+from cosim.engine.native._compilation import SOURCES, includes
 from cosim.fmu import catalogue
 from cosim.fmu.toolchain import PLATFORMS, compiler, fmi_headers
 

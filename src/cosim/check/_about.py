@@ -9,7 +9,7 @@ from typing import Any
 
 from cosim.archive import Archive
 from cosim.check._subject import Subject
-from cosim.engine._variable import type_of
+from cosim.engine.fmu._variable import type_of
 from cosim.foreign import read_description
 
 Start = float | int | bool | str | list[float | int | bool | str]

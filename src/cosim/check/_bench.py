@@ -15,7 +15,7 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import ModelVariable
 
 from cosim.check._subject import Subject
-from cosim.engine._log import Log, fmi2_callbacks
+from cosim.engine.fmu._log import Log, fmi2_callbacks
 
 Value = float | int | bool | bytes
 STEPS = 12

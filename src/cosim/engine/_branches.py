@@ -11,10 +11,6 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.engine._arguments import check_arguments
-from cosim.engine._calls import Site
-from cosim.engine._channels import Schedule
-from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._execution import (
     Clock,
     Ending,
@@ -26,21 +22,25 @@ from cosim.engine._execution import (
     simulate_to,
     statistics,
 )
-from cosim.engine._fault import RANDOM
-from cosim.engine._fault_signals import resolved_faults
-from cosim.engine._fmu_state import FmuState
-from cosim.engine._instance import CallError, Instance
-from cosim.engine._method import Algorithm
-from cosim.engine._parameters import parameters_of
-from cosim.engine._plan import Layout, Plan, lay_out
 from cosim.engine._prepare import prepared
-from cosim.engine._record import Record, failure_message, output_grid
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
-from cosim.engine._resume import Saving, apply, check_can_save, check_resume, save
 from cosim.engine._simulate import result_of
-from cosim.engine._snapshot import in_order, put_back, take
-from cosim.engine._system import SAME_INSTANT, Channel, Component, System, dotted
-from cosim.engine._variable import Value
+from cosim.engine.checkpoints._checkpoint import Checkpoint
+from cosim.engine.checkpoints._resume import Saving, apply, check_can_save, check_resume, save
+from cosim.engine.checkpoints._snapshot import in_order, put_back, take
+from cosim.engine.fmu._calls import Site
+from cosim.engine.fmu._fmu_state import FmuState
+from cosim.engine.fmu._instance import CallError, Instance
+from cosim.engine.fmu._variable import Value
+from cosim.engine.loop._plan import Layout, Plan, lay_out
+from cosim.engine.loop._record import Record, failure_message, output_grid
+from cosim.engine.signals._fault_signals import resolved_faults
+from cosim.engine.system._arguments import check_arguments
+from cosim.engine.system._channels import Schedule
+from cosim.engine.system._fault import RANDOM
+from cosim.engine.system._method import Algorithm
+from cosim.engine.system._parameters import parameters_of
+from cosim.engine.system._system import SAME_INSTANT, Channel, Component, System, dotted
 from cosim.errors import FmuError, InputError, SimulationError
 
 

@@ -10,25 +10,25 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 
-from cosim.engine._arguments import LEAST_TOLERANCE
-from cosim.engine._calls import Site
-from cosim.engine._checkpoint import Checkpoint
-from cosim.engine._couple import couple
-from cosim.engine._coupling_memory import CouplingMemory
-from cosim.engine._initialize import initialize
-from cosim.engine._instance import CallError, Instance
-from cosim.engine._instances import instantiate
-from cosim.engine._library import native_library
-from cosim.engine._loop import run, run_jacobi
-from cosim.engine._method import Method
-from cosim.engine._native import run_native
-from cosim.engine._parameters import parameters_of
-from cosim.engine._plan import Plan, make_plan, roles_of
-from cosim.engine._record import Record, failure_message
-from cosim.engine._resume import NotWrittenError, Saving, apply, forget, restore, save
-from cosim.engine._role import Role
-from cosim.engine._setup import Setting
-from cosim.engine._system import Component, System
+from cosim.engine.checkpoints._checkpoint import Checkpoint
+from cosim.engine.checkpoints._resume import NotWrittenError, Saving, apply, forget, restore, save
+from cosim.engine.coupling._coupling_memory import CouplingMemory
+from cosim.engine.exchange._instances import instantiate
+from cosim.engine.fmu._calls import Site
+from cosim.engine.fmu._instance import CallError, Instance
+from cosim.engine.loop._couple import couple
+from cosim.engine.loop._initialize import initialize
+from cosim.engine.loop._loop import run, run_jacobi
+from cosim.engine.loop._native import run_native
+from cosim.engine.loop._plan import Plan, make_plan, roles_of
+from cosim.engine.loop._record import Record, failure_message
+from cosim.engine.loop._setup import Setting
+from cosim.engine.native._library import native_library
+from cosim.engine.system._arguments import LEAST_TOLERANCE
+from cosim.engine.system._method import Method
+from cosim.engine.system._parameters import parameters_of
+from cosim.engine.system._role import Role
+from cosim.engine.system._system import Component, System
 from cosim.errors import FmuError
 
 _WITHIN = 0.01

@@ -7,26 +7,26 @@ from contextlib import ExitStack, suppress
 from functools import partial
 from itertools import pairwise
 
-from cosim.engine._calls import Site
 from cosim.engine._execution import Ending, Job
-from cosim.engine._fault import described
-from cosim.engine._fault_signals import resolved_faults
-from cosim.engine._graph import Phase, loops
-from cosim.engine._initialize import initialize
-from cosim.engine._instance import CallError
-from cosim.engine._instances import instantiate
 from cosim.engine._isolation import Isolate, Progress, is_isolated, supervised
-from cosim.engine._loop import run, run_jacobi
-from cosim.engine._method import Algorithm, Method
-from cosim.engine._parameters import parameters_of
-from cosim.engine._plan import Plan, lay_out, make_plan, roles_of
 from cosim.engine._prepare import prepared
 from cosim.engine._probe import probe
-from cosim.engine._record import Record, failure_message
-from cosim.engine._role import Role, period_of
 from cosim.engine._supervisor import Limits
-from cosim.engine._system import SAME_INSTANT, System, dotted
 from cosim.engine._trace import Component, Enough, Trace, TracedParticipant, Travel
+from cosim.engine.exchange._instances import instantiate
+from cosim.engine.fmu._calls import Site
+from cosim.engine.fmu._instance import CallError
+from cosim.engine.loop._initialize import initialize
+from cosim.engine.loop._loop import run, run_jacobi
+from cosim.engine.loop._plan import Plan, lay_out, make_plan, roles_of
+from cosim.engine.loop._record import Record, failure_message
+from cosim.engine.signals._fault_signals import resolved_faults
+from cosim.engine.system._fault import described
+from cosim.engine.system._graph import Phase, loops
+from cosim.engine.system._method import Algorithm, Method
+from cosim.engine.system._parameters import parameters_of
+from cosim.engine.system._role import Role, period_of
+from cosim.engine.system._system import SAME_INSTANT, System, dotted
 from cosim.errors import SimulationError
 from cosim.worker import Answer
 

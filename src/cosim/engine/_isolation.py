@@ -11,15 +11,15 @@ from functools import partial
 from pathlib import Path
 from typing import Literal, get_args
 
-from cosim.engine._board import Board
-from cosim.engine._calls import UNLOADING, Site
 from cosim.engine._execution import Ending, Job, execute, instantiated
-from cosim.engine._library import native_library, preload
-from cosim.engine._record import Record
-from cosim.engine._resume import written
-from cosim.engine._structures import NOWHERE
 from cosim.engine._supervisor import Limits, Supervisor
-from cosim.engine._system import System
+from cosim.engine.checkpoints._resume import written
+from cosim.engine.fmu._calls import UNLOADING, Site
+from cosim.engine.loop._board import Board
+from cosim.engine.loop._record import Record
+from cosim.engine.native._library import native_library, preload
+from cosim.engine.native._structures import NOWHERE
+from cosim.engine.system._system import System
 from cosim.errors import InputError
 from cosim.worker import Answer, Worker, machine_memory
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from cosim.engine._arguments import check_arguments, check_fixed_steps
 from cosim.engine._execution import Job
-from cosim.engine._method import Algorithm, choose
-from cosim.engine._parameters import parameters_of
-from cosim.engine._plan import roles_of
-from cosim.engine._role import warn_of_fixed_steps
-from cosim.engine._system import System
+from cosim.engine.loop._plan import roles_of
+from cosim.engine.system._arguments import check_arguments, check_fixed_steps
+from cosim.engine.system._method import Algorithm, choose
+from cosim.engine.system._parameters import parameters_of
+from cosim.engine.system._role import warn_of_fixed_steps
+from cosim.engine.system._system import System
 
 
 def prepared(

@@ -9,12 +9,12 @@ from __future__ import annotations
 from contextlib import ExitStack
 from dataclasses import dataclass
 
-from cosim.engine._calls import Site
-from cosim.engine._instance import CallError, Instance
-from cosim.engine._instances import instantiate
-from cosim.engine._parameters import parameters_of
-from cosim.engine._system import Component
-from cosim.engine._variable import OPAQUE, Value, Variable
+from cosim.engine.exchange._instances import instantiate
+from cosim.engine.fmu._calls import Site
+from cosim.engine.fmu._instance import CallError, Instance
+from cosim.engine.fmu._variable import OPAQUE, Value, Variable
+from cosim.engine.system._parameters import parameters_of
+from cosim.engine.system._system import Component
 
 _BEGINNINGS = (2, 11, 50)
 """Samples at which inputs are changed, each in a run of its own: a controller may be deaf for a while."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.engine._checkpoint import Checkpoint
-from cosim.engine._fault import Fault
+from cosim.engine.checkpoints._checkpoint import Checkpoint
+from cosim.engine.system._fault import Fault
 from cosim.errors import SimulationError
 
 

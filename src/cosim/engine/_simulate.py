@@ -10,21 +10,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.engine._calls import Site
-from cosim.engine._checkpoint import Checkpoint
 from cosim.engine._coupling_error import Companion, Estimate, no_estimate
 from cosim.engine._execution import Ending, Job, execute, instantiated, loop_name
-from cosim.engine._fault import Fault
-from cosim.engine._fault_signals import resolved_faults
 from cosim.engine._isolation import Isolate, is_isolated, run_isolated
-from cosim.engine._method import Algorithm
-from cosim.engine._plan import Layout, lay_out
 from cosim.engine._prepare import prepared
-from cosim.engine._record import Record
 from cosim.engine._result import PartialResultError, Result, SimulationInterrupted
-from cosim.engine._resume import Saving, check_can_save, check_resume, check_times
 from cosim.engine._supervisor import Limits
-from cosim.engine._system import System
+from cosim.engine.checkpoints._checkpoint import Checkpoint
+from cosim.engine.checkpoints._resume import Saving, check_can_save, check_resume, check_times
+from cosim.engine.fmu._calls import Site
+from cosim.engine.loop._plan import Layout, lay_out
+from cosim.engine.loop._record import Record
+from cosim.engine.signals._fault_signals import resolved_faults
+from cosim.engine.system._fault import Fault
+from cosim.engine.system._method import Algorithm
+from cosim.engine.system._system import System
 from cosim.errors import CosimError, FmuWarning
 
 

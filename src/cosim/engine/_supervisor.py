@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from math import inf
 from typing import NamedTuple
 
-from cosim.engine._board import Board
-from cosim.engine._calls import CALLS, LOADING, UNLOADING
 from cosim.engine._execution import Ending, Job, interruption_message
-from cosim.engine._log import SILENCE
-from cosim.engine._plan import roles_of
-from cosim.engine._record import Record, place_of
-from cosim.engine._structures import NOWHERE, STACK_OVERFLOW, WRONG_ADDRESS
+from cosim.engine.fmu._calls import CALLS, LOADING, UNLOADING
+from cosim.engine.fmu._log import SILENCE
+from cosim.engine.loop._board import Board
+from cosim.engine.loop._plan import roles_of
+from cosim.engine.loop._record import Record, place_of
+from cosim.engine.native._structures import NOWHERE, STACK_OVERFLOW, WRONG_ADDRESS
 from cosim.errors import InputError, SimulationError
 from cosim.worker import Death, Worker
 

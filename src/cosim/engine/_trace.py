@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from cosim.engine._participant import Participant
-from cosim.engine._plan import Plan
-from cosim.engine._role import Role
-from cosim.engine._system import SAME_INSTANT, dotted
-from cosim.engine._wire import Wire
+from cosim.engine.loop._plan import Plan
+from cosim.engine.signals._participant import Participant
+from cosim.engine.system._role import Role
+from cosim.engine.system._system import SAME_INSTANT, dotted
+from cosim.engine.system._wire import Wire
 
 _MOST_COMPUTATIONS = 50_000
 _MOST_BYTES = 60

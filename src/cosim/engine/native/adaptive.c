@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Macro steps as long as the tolerance allows, as cosim/engine/_adaptive.py explains.
+ * Macro steps as long as the tolerance allows, as cosim/engine/coupling/_adaptive.py explains.
  */
 #define SHORTEST_MACRO_STEP 1e-7
 #define MACRO_SAFETY 0.9

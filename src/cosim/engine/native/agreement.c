@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Repeats a macro step until the components agree at its end, as cosim/engine/_agreement.py explains.
+ * Repeats a macro step until the components agree at its end, as cosim/engine/coupling/_agreement.py explains.
  */
 #define MOST_PASSES 40
 #define CONTRACTS 0.3

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Components that act on each other continuously: one macro step of all of them, as in cosim/engine/_coupling.py.
+ * Components that act on each other continuously: one macro step of all of them, as in cosim/engine/coupling/_coupling.py.
  */
 #define CLOSE 0.01
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The inner loop of a co-simulation, over flat tables that Python has filled in: cosim/engine/_tables.py holds the same
+ * The inner loop of a co-simulation, over flat tables that Python has filled in: cosim/engine/loop/_tables.py holds the same
  * structures. Times are in seconds. All memory belongs to the caller and stays where it is during a run, except for
  * texts; nothing is shared between two engines, so that runs in several threads do not disturb each other.
  *
- * It must give the same numbers as the loop in cosim/engine/_loop.py, bit for bit: compile it without contraction of
+ * It must give the same numbers as the loop in cosim/engine/loop/_loop.py, bit for bit: compile it without contraction of
  * a * b + c and without any other licence to change what floating point gives.
  */
 #ifndef COSIM_ENGINE_H
@@ -214,7 +214,7 @@ typedef struct {
     int32_t kind, component, function, status, group, unused;
 } Failure;
 
-/* A connection between two components that are stepped together; see cosim/engine/_coupling.py for all of this. */
+/* A connection between two components that are stepped together; see cosim/engine/coupling/_coupling.py for all of this. */
 typedef struct {
     Wire wire;        /* gives the value of the input from the signals */
     int64_t slot;     /* of the signal that the target gets in its place, */

@@ -18,7 +18,7 @@
     X(Real) X(Integer) X(Boolean) X(String) X(Binary) X(Float64) X(Float32) X(Int8) X(UInt8) X(Int16) X(UInt16)    \
         X(Int32) X(UInt32) X(Int64) X(UInt64)
 
-/* Functions of the FMU; cosim/engine/_exchange_native.py has the same order. */
+/* Functions of the FMU; cosim/engine/exchange/_exchange_native.py has the same order. */
 #define ACCESSED(Type) FMU_GET_##Type, FMU_SET_##Type,
 typedef enum {
     FMU_SET_TIME, FMU_SET_STATES, FMU_GET_STATES, FMU_GET_NOMINALS, FMU_GET_RATES, FMU_GET_INDICATORS,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The energy that goes over power connections, as both sides see it: cosim/engine/_power_meter.py has the equations.
+ * The energy that goes over power connections, as both sides see it: cosim/engine/coupling/_power_meter.py has the equations.
  */
 static void begin_power(const Engine *engine) {
     for (const Bond *bond = engine->bonds; bond < engine->bonds + engine->n_bonds; bond++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Faults at work, as cosim/engine/_signal_faults.py has them. At each communication point `arrive_faults` comes first,
+ * Faults at work, as cosim/engine/signals/_signal_faults.py has them. At each communication point `arrive_faults` comes first,
  * while the signals are what has led there; in the exchange and in the step that follow `refresh` computes what inputs
  * get, and changes nothing else; `settle_faults` comes after the exchange.
  */

@@ -1,0 +1,1 @@
+"""Algebraic loops of components that may be set and read at will, and their solution."""

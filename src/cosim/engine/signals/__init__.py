@@ -1,0 +1,1 @@
+"""How components take part: what each takes from the signals and puts there, and faults of these."""
