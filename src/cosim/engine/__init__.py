@@ -10,6 +10,7 @@ from cosim.engine.checkpoints._checkpoint import Checkpoint
 from cosim.engine.fmu._fmu import Fmu, Interface
 from cosim.engine.fmu._variable import Value, Variable
 from cosim.engine.system._arguments import LEAST_TOLERANCE
+from cosim.engine.system._connection import Connection
 from cosim.engine.system._fault import FOR_ALL_TYPES as FAULTS_FOR_ALL_TYPES
 from cosim.engine.system._fault import KINDS as FAULT_KINDS
 from cosim.engine.system._fault import RANDOM as RANDOM_FAULTS
@@ -17,7 +18,7 @@ from cosim.engine.system._fault import Fault, FaultKind, described
 from cosim.engine.system._method import Algorithm
 from cosim.engine.system._power import PowerConnection
 from cosim.engine.system._role import Role, role_of
-from cosim.engine.system._system import Channel, Component, Connection, System
+from cosim.engine.system._system import Channel, Component, System
 
 __all__ = [
     "EXACT",

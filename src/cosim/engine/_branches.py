@@ -37,10 +37,11 @@ from cosim.engine.loop._record import Record, failure_message, output_grid
 from cosim.engine.signals._fault_signals import resolved_faults
 from cosim.engine.system._arguments import check_arguments
 from cosim.engine.system._channels import Schedule
+from cosim.engine.system._connection import dotted
 from cosim.engine.system._fault import RANDOM
 from cosim.engine.system._method import Algorithm
 from cosim.engine.system._parameters import parameters_of
-from cosim.engine.system._system import SAME_INSTANT, Channel, Component, System, dotted
+from cosim.engine.system._system import SAME_INSTANT, Channel, Component, System
 from cosim.errors import FmuError, InputError, SimulationError
 
 

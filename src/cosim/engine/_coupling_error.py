@@ -18,8 +18,9 @@ from cosim.engine._delays import delays_of
 from cosim.engine._execution import Ending, Job
 from cosim.engine.loop._plan import Layout, roles_of
 from cosim.engine.loop._record import Record
+from cosim.engine.system._connection import Connection, dotted
 from cosim.engine.system._role import Role, fixed_step_of, has_period
-from cosim.engine.system._system import Connection, System, dotted
+from cosim.engine.system._system import System
 
 EXACT = "none: sampled"
 """The note on a connection over which a discrete component acts, or is acted upon: at its instants, without error."""

@@ -10,10 +10,11 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
+from cosim.engine.system._connection import Connection
 from cosim.engine.system._method import Method, links_of
 from cosim.engine.system._order import continuous_order, discrete_order
 from cosim.engine.system._role import Role, fixed_step_of, has_period, period_of
-from cosim.engine.system._system import SAME_INSTANT, Component, Connection, System
+from cosim.engine.system._system import SAME_INSTANT, Component, System
 from cosim.errors import FmuError
 
 

@@ -21,12 +21,13 @@ from cosim.engine.loop._loop import run, run_jacobi
 from cosim.engine.loop._plan import Plan, lay_out, make_plan, roles_of
 from cosim.engine.loop._record import Record, failure_message
 from cosim.engine.signals._fault_signals import resolved_faults
+from cosim.engine.system._connection import dotted
 from cosim.engine.system._fault import described
 from cosim.engine.system._graph import Phase, loops
 from cosim.engine.system._method import Algorithm, Method
 from cosim.engine.system._parameters import parameters_of
 from cosim.engine.system._role import Role, period_of
-from cosim.engine.system._system import SAME_INSTANT, System, dotted
+from cosim.engine.system._system import SAME_INSTANT, System
 from cosim.errors import SimulationError
 from cosim.worker import Answer
 

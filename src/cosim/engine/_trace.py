@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 from cosim.engine.loop._plan import Plan
 from cosim.engine.signals._participant import Participant
+from cosim.engine.system._connection import dotted
 from cosim.engine.system._role import Role
-from cosim.engine.system._system import SAME_INSTANT, dotted
+from cosim.engine.system._system import SAME_INSTANT
 from cosim.engine.system._wire import Wire
 
 _MOST_COMPUTATIONS = 50_000

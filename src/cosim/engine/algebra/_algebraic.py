@@ -20,8 +20,9 @@ from cosim.engine.algebra._schedule import Reading, schedule
 from cosim.engine.fmu._instance import CallError
 from cosim.engine.fmu._variable import Variable
 from cosim.engine.signals._signal_faults import SignalFaults
+from cosim.engine.system._connection import Connection, dotted
 from cosim.engine.system._graph import Depends, End, Loop
-from cosim.engine.system._system import Connection, System, dotted
+from cosim.engine.system._system import System
 
 _MOST_ROUNDS = 50
 _SHOWN = 12

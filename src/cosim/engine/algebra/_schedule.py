@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from cosim.engine.system._connection import Connection
 from cosim.engine.system._graph import Depends, End, Loop, arrows_between, loops_among
-from cosim.engine.system._system import Connection
 
 
 @dataclass(frozen=True)

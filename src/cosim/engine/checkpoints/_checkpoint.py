@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.engine.checkpoints._checkpoint_file import Contents, read, write
 from cosim.engine.checkpoints._snapshot import Snapshot
 from cosim.engine.loop._setup import Setup
 
@@ -45,16 +46,12 @@ class Checkpoint:
 
         Raises InputError if it cannot be written.
         """
-        from cosim.engine.checkpoints._checkpoint_file import write
-
-        return write(self, Path(path))
+        return write(Contents(self.setup, self.snapshot, self.states, self.rows), Path(path))
 
     @classmethod
     def load(cls, path: Path | str) -> Checkpoint:
         """Read a file that ``save`` has written; raises InputError for any other, or a damaged one."""
-        from cosim.engine.checkpoints._checkpoint_file import read
-
-        return read(Path(path))
+        return cls(*read(Path(path)))
 
     @staticmethod
     def file_name(at: float) -> str:

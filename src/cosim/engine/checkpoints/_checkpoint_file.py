@@ -13,17 +13,17 @@ import uuid
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from cosim import __version__
-from cosim.engine.checkpoints._checkpoint import Checkpoint
 from cosim.engine.checkpoints._snapshot import Progress, Snapshot
 from cosim.engine.loop._setup import Past, Setup, UsedFmu
+from cosim.engine.system._connection import Connection
 from cosim.engine.system._fault import Fault, FaultKind
-from cosim.engine.system._system import Connection
 from cosim.errors import InputError
 
 _VERSION = 1
@@ -34,6 +34,15 @@ _Count = Annotated[int, Field(ge=0, lt=2**53)]
 _Time = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 _End = tuple[str, str]
+
+
+class Contents(NamedTuple):
+    """What is in a file: the parts of a ``Checkpoint``."""
+
+    setup: Setup
+    snapshot: Snapshot
+    states: tuple[bytes, ...]
+    rows: NDArray[np.float64]
 
 
 class _Strict(BaseModel):
@@ -125,7 +134,7 @@ class _Document(_Strict):
             yield f"texts/{number}", text.size
 
 
-def write(checkpoint: Checkpoint, path: Path) -> Path:
+def write(checkpoint: Contents, path: Path) -> Path:
     """Write the file beside its place, and move it there; raises InputError if that cannot be."""
     document = _document(checkpoint)
     contents = _contents(checkpoint)
@@ -150,7 +159,7 @@ def write(checkpoint: Checkpoint, path: Path) -> Path:
     return path
 
 
-def _document(checkpoint: Checkpoint) -> bytes:
+def _document(checkpoint: Contents) -> bytes:
     setup, snapshot = checkpoint.setup, checkpoint.snapshot
     rows, columns = checkpoint.rows.shape
     document = _Document(
@@ -182,7 +191,7 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _contents(checkpoint: Checkpoint) -> Iterator[tuple[str, bytes]]:
+def _contents(checkpoint: Contents) -> Iterator[tuple[str, bytes]]:
     snapshot = checkpoint.snapshot
     yield "values", snapshot.values
     yield "inputs", snapshot.inputs
@@ -197,7 +206,7 @@ def _contents(checkpoint: Checkpoint) -> Iterator[tuple[str, bytes]]:
         yield f"texts/{number}", text
 
 
-def read(path: Path) -> Checkpoint:
+def read(path: Path) -> Contents:
     """Read a file; raises InputError if it is none, from another version, or damaged."""
     try:
         content = path.read_bytes()
@@ -215,7 +224,7 @@ def read(path: Path) -> Checkpoint:
         raise InputError(f"{what}; write it again with --checkpoint, or Checkpoint.save", file=path) from error
 
 
-def _checkpoint(archive: zipfile.ZipFile, path: Path, length: int) -> Checkpoint:
+def _checkpoint(archive: zipfile.ZipFile, path: Path, length: int) -> Contents:
     members = archive.infolist()
     sizes = {member.filename: member.file_size for member in members}
     if _DOCUMENT not in sizes:
@@ -267,7 +276,7 @@ def _damaged(path: Path, what: str) -> InputError:
     return InputError(f"is damaged: {what}; write it again with --checkpoint, or Checkpoint.save", file=path)
 
 
-def _assembled(document: _Document, contents: dict[str, bytes], path: Path) -> Checkpoint:
+def _assembled(document: _Document, contents: dict[str, bytes], path: Path) -> Contents:
     slots = [text.slot for text in document.texts]
     names = [memory.name for memory in document.memory]
     if len(set(slots)) < len(slots) or len(set(names)) < len(names):
@@ -302,7 +311,7 @@ def _assembled(document: _Document, contents: dict[str, bytes], path: Path) -> C
     )
     states = tuple(contents[f"states/{number}"] for number in range(len(document.components)))
     rows = np.frombuffer(contents["rows"], _NUMBERS).reshape(document.rows, document.columns)
-    return Checkpoint(setup, snapshot, states, rows)
+    return Contents(setup, snapshot, states, rows)
 
 
 def _or_infinite(value: float | None) -> float:

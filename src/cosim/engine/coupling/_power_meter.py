@@ -13,9 +13,10 @@ from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from cosim.engine.system._connection import dotted
 from cosim.engine.system._power import PowerConnection, ends_of, watts
 from cosim.engine.system._role import Role, fixed_step_of, role_of
-from cosim.engine.system._system import Component, System, dotted
+from cosim.engine.system._system import Component, System
 
 GIVEN, TAKEN, THROUGH = 0, 1, 2
 """Energies of a bond in ``PowerMeter.energies``: from one side, by the other, and the mean of both without signs."""

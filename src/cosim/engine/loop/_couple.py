@@ -11,8 +11,9 @@ from cosim.engine.fmu._fmu import Fmu
 from cosim.engine.loop._plan import Plan
 from cosim.engine.signals._participant import Participant
 from cosim.engine.signals._signal_faults import FaultyInput
+from cosim.engine.system._connection import Connection, dotted
 from cosim.engine.system._method import Method, fed_through, holds_end
-from cosim.engine.system._system import Connection, System, dotted
+from cosim.engine.system._system import System
 from cosim.engine.system._wire import Wire
 
 

@@ -26,11 +26,12 @@ from cosim.engine.signals._fault_signals import Source, faulty_inputs
 from cosim.engine.signals._participant import Binaries, Buffer, InputGroup, OutputGroup, Participant
 from cosim.engine.signals._signal_faults import SignalFaults
 from cosim.engine.system._channels import Line, Schedule, first_value
+from cosim.engine.system._connection import dotted
 from cosim.engine.system._memory import Memory, Numbers
 from cosim.engine.system._method import links_of
 from cosim.engine.system._order import continuous_order, discrete_order
 from cosim.engine.system._role import Role, fixed_step_of, period_of, role_of
-from cosim.engine.system._system import Channel, Component, System, dotted
+from cosim.engine.system._system import Channel, Component, System
 from cosim.engine.system._wire import Wire
 
 

@@ -7,10 +7,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cosim.engine.fmu._variable import Value
+from cosim.engine.system._connection import Connection, dotted
 from cosim.engine.system._fault import Fault, described
 from cosim.engine.system._parameters import parameters_of
 from cosim.engine.system._role import Role, role_of
-from cosim.engine.system._system import SAME_INSTANT, Channel, Component, Connection, System, dotted
+from cosim.engine.system._system import SAME_INSTANT, Channel, Component, System
 from cosim.errors import InputError
 
 Setting = float | str | None

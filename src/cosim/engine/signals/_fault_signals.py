@@ -11,9 +11,10 @@ import numpy as np
 
 from cosim.engine.signals._signal_faults import FaultyInput, SignalFault
 from cosim.engine.system._channels import Line
+from cosim.engine.system._connection import dotted
 from cosim.engine.system._fault import RANDOM, Fault
 from cosim.engine.system._role import Role, fixed_step_of, sample_period
-from cosim.engine.system._system import SAME_INSTANT, System, dotted
+from cosim.engine.system._system import SAME_INSTANT, System
 from cosim.engine.system._wire import Wire
 from cosim.errors import InputError
 

@@ -13,8 +13,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from cosim.engine.system._connection import Connection, dotted
 from cosim.engine.system._role import Role
-from cosim.engine.system._system import Component, Connection, System, dotted
+from cosim.engine.system._system import Component, System
 
 End: TypeAlias = tuple[str, str]
 """A variable of a component: (component, variable)."""

@@ -11,9 +11,10 @@ from typing import Literal, get_args
 
 from cosim.engine.fmu._fmu import Fmu
 from cosim.engine.fmu._fmu_state import why_not_saved
+from cosim.engine.system._connection import Connection
 from cosim.engine.system._graph import Loop, Phase, declared, loops_among
 from cosim.engine.system._role import Role, fixed_step_of
-from cosim.engine.system._system import SAME_INSTANT, Component, Connection, System
+from cosim.engine.system._system import SAME_INSTANT, Component, System
 from cosim.errors import FmuError, FmuWarning, InputError
 
 Algorithm = Literal["auto", "gauss-seidel", "jacobi", "extrapolated", "iterated", "adaptive"]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cosim.engine.system._system import Component, Connection
+from cosim.engine.system._connection import Connection
+from cosim.engine.system._system import Component
 
 
 def discrete_order(components: Sequence[Component], connections: Sequence[Connection]) -> list[Component]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from cosim.engine.fmu._variable import Value, Variable
-from cosim.engine.system._system import Component, dotted, suggestion
+from cosim.engine.system._connection import dotted
+from cosim.engine.system._system import Component, suggestion
 from cosim.errors import FmuError
 
 _WHY = {

@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from cosim.engine.fmu._variable import Variable
+from cosim.engine.system._connection import Connection
 from cosim.errors import InputError
 from cosim.units import BASE, parse
-
-if TYPE_CHECKING:
-    from cosim.engine.system._system import Connection
 
 End = tuple[str, str]
 

@@ -10,6 +10,7 @@ from functools import partial
 
 from cosim.engine.fmu._fmu import Fmu
 from cosim.engine.fmu._variable import OPAQUE, Value, Variable
+from cosim.engine.system._connection import Connection, dotted
 from cosim.engine.system._fault import Fault
 from cosim.engine.system._power import PowerConnection, check_power
 from cosim.errors import FmuError, InputError
@@ -38,21 +39,6 @@ class Component:
     fmu: Fmu
     parameters: dict[str, Value] = field(default_factory=dict)
     origins: dict[str, str] = field(default_factory=dict)
-
-
-@dataclass
-class Connection:
-    """``target = factor * source + offset``; both ends are (component, variable).
-
-    ``table``, between whole numbers, Booleans and enumerations only, has pairs of a source's value and what the target
-    gets in its place; values that are not in it are handed on as they are.
-    """
-
-    source: tuple[str, str]
-    target: tuple[str, str]
-    factor: float = 1.0
-    offset: float = 0.0
-    table: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass
@@ -109,11 +95,6 @@ class System:
             fault.check(_find(by_name, fault.target, "input"))
         for power in self.power:
             check_power(power, self.connections, partial(_find, by_name))
-
-
-def dotted(end: tuple[str, str]) -> str:
-    """Return the name of a variable of a component as the user writes it: "plant.duty"."""
-    return ".".join(end)
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
