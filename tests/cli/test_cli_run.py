@@ -260,3 +260,18 @@ def test_what_is_wrong_with_an_fmu_without_harm_is_told(
     done = cosim("run", scenario.name, "--no-plots")
     assert (done.exit_code, done.stderr) == (0, f"note: {text}\n")
     assert json.loads(cosim("run", scenario.name, "--no-plots", "--json").stdout)["runs"][0]["notes"] == [text]
+
+
+def test_a_refused_run_leaves_the_results_of_the_one_before(
+    cosim: Cosim, scenario: Path, tmp_path: Path, fail: Callable[[BaseException], None]
+) -> None:
+    assert cosim("run", scenario, "--out", tmp_path, "--no-plots").exit_code == 0
+    folder = tmp_path / scenario.stem
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    assert "results.csv" in before
+    fail(InputError("there is no step"))
+    assert cosim("run", scenario, "--out", tmp_path, "--no-plots").exit_code == 2
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    fail(SimulationError("it failed"))
+    assert cosim("run", scenario, "--out", tmp_path, "--no-plots").exit_code == 3
+    assert list(folder.iterdir()) == []

@@ -16,7 +16,7 @@ import pytest
 from cosim import __version__
 from cosim.engine import Channel, Result, System
 from cosim.errors import InputError
-from cosim.report import Run, clear, plot, summarize, write
+from cosim.report import Run, plot, replacing, summarize, write
 
 RUN = Run(stop=10.0, output_interval=0.01, tolerance=1e-6, title="A run", scenario="x.csv")
 PNG = b"\x89PNG"
@@ -106,19 +106,29 @@ def test_a_failed_run_keeps_its_rows_and_is_marked(result: Result, system: Syste
     assert len((tmp_path / "results.csv").read_text().splitlines()) == 1 + 1001
 
 
-def test_clear_removes_the_files_of_an_earlier_run_only(result: Result, system: System, tmp_path: Path) -> None:
+def test_only_the_files_of_an_earlier_run_make_room(result: Result, system: System, tmp_path: Path) -> None:
     folder = tmp_path / "results" / "x"
-    clear(folder)
+    with replacing(folder):
+        assert list(folder.iterdir()) == []
     write(result, system, RUN, folder)
     (folder / "notes.txt").touch()
-    clear(folder)
+    with replacing(folder):
+        assert not (folder / "results.csv").exists()
     assert [path.name for path in folder.iterdir()] == ["notes.txt"]
+
+
+def test_what_is_refused_puts_back_what_was_there(result: Result, system: System, tmp_path: Path) -> None:
+    write(result, system, RUN, tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(InputError), replacing(tmp_path):
+        raise InputError("the step is no step")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(InputError) as error:
-        clear(tmp_path / "file" / "x")
+    with pytest.raises(InputError) as error, replacing(tmp_path / "file" / "x"):
+        pass
     assert str(error.value) == (
         f"{tmp_path / 'file' / 'x'}: cannot write results there: Not a directory; choose another --out"
     )

@@ -15,7 +15,7 @@ from cosim.cli._isolation import Isolation
 from cosim.cli._screen import INTERRUPTED, Screen
 from cosim.engine import Result, System, explain_timing, simulate
 from cosim.errors import CosimError, FmuWarning, InputError, SimulationError
-from cosim.report import Run, clear, write
+from cosim.report import Run, replacing, write
 from cosim.scenario import Scenario, ScenarioWarning, Setting, assemble, read, read_parameters
 
 
@@ -143,8 +143,8 @@ def _run(
         scenario = options.read(file)
         system = _assemble(scenario, outcome, screen)
         checkpoints = saving.arguments(folder)
-        clear(folder)
-        result = _simulate(scenario, system, outcome, screen, isolation, coupling_error, checkpoints)
+        with replacing(folder):
+            result = _simulate(scenario, system, outcome, screen, isolation, coupling_error, checkpoints)
         if result is None:
             return
         outcome.folder = str(folder)

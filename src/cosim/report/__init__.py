@@ -3,6 +3,6 @@
 from cosim.report._plots import plot
 from cosim.report._summary import Run, summarize
 from cosim.report._tables import write_csv, write_parquet
-from cosim.report._write import clear, write
+from cosim.report._write import replacing, write
 
-__all__ = ["Run", "clear", "plot", "summarize", "write", "write_csv", "write_parquet"]
+__all__ = ["Run", "plot", "replacing", "summarize", "write", "write_csv", "write_parquet"]
